@@ -210,8 +210,8 @@ fn force(law: Springs, spring: &Spring, d: [f64; 2]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pattern::{Pattern, Planform};
     use crate::springblock::columns::{cell, flat};
+    use crate::springblock::tests::samples::groove;
 
     #[test]
     fn exact_springs_ignore_rigid_rotation_and_linear_ones_do_to_first_order() {
@@ -238,10 +238,8 @@ mod tests {
     #[test]
     fn rows_of_springs_pull_as_one_by_one_and_the_bulk_balances_the_load() {
         // Full and partial chunks of columns, periodic and free sides, cavities, and columns of other widths.
-        let pattern = |width_um: f64, spacing_um: f64| {
-            Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, 20e-6).unwrap()
-        };
-        let (whole, fitted) = (cell(&pattern(130.0, 370.0), 10e-6), cell(&pattern(33.0, 51.0), 10e-6));
+        let [whole, fitted] =
+            [(130.0, 370.0), (33.0, 51.0)].map(|(width_um, land_um)| cell(&groove(width_um, land_um, 20.0), 10e-6));
         for columns in [flat(1), flat(2), flat(5), flat(300), whole, fitted] {
             for (periodic, law) in [false, true].into_iter().flat_map(|p| Springs::ALL.map(|law| (p, law))) {
                 let lattice = Lattice::new(columns.clone(), 4, periodic);

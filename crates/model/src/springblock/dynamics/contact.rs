@@ -321,7 +321,12 @@ impl ContactSums {
         self.friction.is_finite() && self.normal.is_finite()
     }
 
-    /// Adds the sums over other contact blocks.
+    /// Friction coefficient, the friction force over the normal force; `None` without a normal force.
+    pub fn mu(&self) -> Option<f64> {
+        (self.normal > 0.0).then(|| self.friction / self.normal)
+    }
+
+    /// Adds the sums over other contact blocks, or at another instant.
     pub fn add(&mut self, other: Self) {
         self.friction += other.friction;
         self.across += other.across;
@@ -345,17 +350,17 @@ pub struct ContactForce {
     pub friction: f64,
 }
 
-/// The contact row of a plane lattice, block by block.
+/// The contact blocks of a lattice, with `H` horizontal degrees of freedom.
 #[derive(Clone, Debug)]
-pub struct ContactRow<'a> {
-    /// Contact blocks, left to right.
-    pub blocks: Vec<ContactBlock<1>>,
+pub struct ContactRow<'a, const H: usize> {
+    /// Contact blocks, left to right; in space row by row along x.
+    pub blocks: Vec<ContactBlock<H>>,
     /// Cached index of an interval in the table of the area law, for each block.
     near: Vec<usize>,
     law: LocalLaw<'a>,
 }
 
-impl<'a> ContactRow<'a> {
+impl<'a, const H: usize> ContactRow<'a, H> {
     /// Creates blocks at rest in the columns `columns`; `coefficients` has the local friction coefficients of every
     /// column.
     pub fn new(columns: impl Iterator<Item = usize>, coefficients: &[Coefficients], law: LocalLaw<'a>) -> Self {
@@ -373,18 +378,12 @@ impl<'a> ContactRow<'a> {
     }
 
     /// Returns the blocks and their law.
-    pub fn into_parts(self) -> (Vec<ContactBlock<1>>, LocalLaw<'a>) {
+    pub fn into_parts(self) -> (Vec<ContactBlock<H>>, LocalLaw<'a>) {
         (self.blocks, self.law)
     }
+}
 
-    #[cfg(test)]
-    pub fn all_slip(&mut self) {
-        for block in &mut self.blocks {
-            block.motion = Motion::Slip;
-            block.has_slipped = true;
-        }
-    }
-
+impl ContactRow<'_, 1> {
     /// Marks every block as not slipped, at the start of the bulk's motion.
     pub fn begin_drive(&mut self) {
         for block in &mut self.blocks {

@@ -71,15 +71,6 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         }
     }
 
-    /// Sets the face height of every block and lifts the blocks above it. `face_and_height` returns the face height and
-    /// the vertical displacement in a column, in lattice spacings. Call this method before the first step.
-    pub fn place(&mut self, face_and_height: impl Fn(usize) -> [f64; 2]) {
-        for block in &mut self.blocks {
-            let [face, height] = face_and_height(block.column);
-            block.place(face, height);
-        }
-    }
-
     /// Marks every block as not slipped, at the start of the bulk's motion.
     pub fn begin_drive(&mut self) {
         for block in &mut self.blocks {
@@ -118,10 +109,25 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         self.velocity.each_ref().map(Vec::as_slice)
     }
 
-    /// Blocks that the vectorized pass excludes, among them all blocks that are lifted or under tension.
-    pub fn scalar_blocks(&mut self) -> impl Iterator<Item = &mut ContactBlock<H>> {
+    /// Moves blocks vertically under unilateral contact ([`ContactBlock::move_detached`]). By column, `rises` are the
+    /// vertical displacements from the base state, which has the height that `base_height` returns, `fall` their changes
+    /// in the last step, and `lift` the vertical spring forces; `inverse_mass` returns the inverse mass.
+    pub fn move_vertically(
+        &mut self,
+        kick: Kick,
+        lift: &[f64],
+        (rises, fall): (&mut [f64], &mut [f64]),
+        base_height: impl Fn(usize) -> f64,
+        inverse_mass: impl Fn(usize) -> f64,
+    ) {
+        // Blocks that are lifted or under tension are excluded from the vectorized pass.
         let from = &self.columns.from;
-        self.blocks.iter_mut().filter(|block| from[block.column] == f64::INFINITY)
+        for block in self.blocks.iter_mut().filter(|block| from[block.column] == f64::INFINITY) {
+            let (i, base) = (block.column, base_height(block.column));
+            if let Some(height) = block.move_detached(base + rises[i], &mut fall[i], kick, inverse_mass(i), lift[i]) {
+                rises[i] = height - base;
+            }
+        }
     }
 }
 

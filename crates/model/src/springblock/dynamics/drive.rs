@@ -251,8 +251,9 @@ impl Drive<'_> {
             if steps >= preparation + planned {
                 let driven = steps - preparation;
                 if driven == planned || driven.is_multiple_of(plan.tenth()) {
+                    // If the bulk never moves, a longer run changes nothing.
                     let verdict = self.judge(recorder.window_mean().as_ref());
-                    if verdict == Status::Converged || driven >= max_steps || self.is_at_rest() {
+                    if verdict == Status::Converged || driven >= max_steps || self.scene.speed_m_s == 0.0 {
                         status = verdict;
                         break;
                     }
@@ -318,11 +319,6 @@ impl Drive<'_> {
             }
             Some(_) => Status::Converged,
         }
-    }
-
-    /// Whether the bulk never moves, so that a longer run changes nothing.
-    fn is_at_rest(&self) -> bool {
-        self.scene.speed_m_s == 0.0
     }
 }
 

@@ -3,10 +3,13 @@
 use super::contact::{ContactForce, ContactRow, ContactSums};
 use super::protocol::Protocol;
 
-/// Parameters of an integrator besides the lattice. Units: spring stiffness k, lattice spacing l, block mass m.
+/// Parameters of an integrator besides the lattice, with `H` horizontal degrees of freedom. Units: spring stiffness k,
+/// lattice spacing l, block mass m.
 #[derive(Clone, Debug)]
-pub struct Setup<'a> {
-    pub contact: ContactRow<'a>,
+pub struct Setup<'a, const H: usize> {
+    pub contact: ContactRow<'a, H>,
+    /// Unit vector of the sliding direction.
+    pub direction: [f64; H],
     /// Load and motion of the bulk.
     pub protocol: Protocol,
     /// Time step in units of sqrt(m/k).

@@ -15,24 +15,6 @@ use super::protocol::Protocol;
 use super::sweep::Kick;
 use crate::springblock::{Lattice, Springs};
 
-/// Moves contact blocks vertically under unilateral contact.
-fn move_vertically(
-    contact: &mut ContactRow,
-    coefficients: Kick,
-    inverse_mass: &[f64],
-    force_y: &[f64],
-    uy: &mut [f64],
-    wy: &mut [f64],
-) {
-    for block in &mut contact.blocks {
-        let i = block.column;
-        // A block that has landed stays at its face.
-        if block.move_detached(uy[i], &mut wy[i], coefficients, inverse_mass[i], force_y[i]) == Some(block.face) {
-            uy[i] = block.face;
-        }
-    }
-}
-
 /// Leapfrog with the spring forces of [`Bonds`]: for exact springs, and as the reference for the stencil in tests.
 #[derive(Clone, Debug)]
 pub struct BondLeapfrog<'a> {
@@ -41,7 +23,7 @@ pub struct BondLeapfrog<'a> {
     displacement: [Vec<f64>; 2],
     /// Velocities x and y times the time step, in lattice spacings.
     velocity: [Vec<f64>; 2],
-    contact: ContactRow<'a>,
+    contact: ContactRow<'a, 1>,
     protocol: Protocol,
     coefficients: Kick,
     inverse_mass: Vec<f64>,
@@ -53,8 +35,8 @@ pub struct BondLeapfrog<'a> {
 
 impl<'a> BondLeapfrog<'a> {
     /// Creates the integrator with `lattice` at rest.
-    pub fn new(lattice: &Lattice, springs: Springs, setup: Setup<'a>) -> Self {
-        let Setup { contact, protocol, time_step, damping, liftoff } = setup;
+    pub fn new(lattice: &Lattice, springs: Springs, setup: Setup<'a, 1>) -> Self {
+        let Setup { contact, protocol, time_step, damping, liftoff, .. } = setup;
         let bonds = Bonds::new(lattice, springs);
         let coefficients = Kick::new(time_step, damping);
         let inverse_mass = bonds.inverse_mass();
@@ -91,15 +73,15 @@ impl Engine for BondLeapfrog<'_> {
         let [wx, wy] = &mut self.velocity;
         let sums = self.contact.kick(&mut wx[..nx], force_x, force_y, kept, &self.contact_kick);
         if self.liftoff {
-            let [_, uy] = &mut self.displacement;
-            move_vertically(
-                &mut self.contact,
-                self.coefficients,
-                &self.inverse_mass,
-                force_y,
-                &mut uy[..nx],
-                &mut wy[..nx],
-            );
+            let uy = &mut self.displacement[1];
+            for block in &mut self.contact.blocks {
+                let (i, inverse_mass) = (block.column, self.inverse_mass[block.column]);
+                let height = block.move_detached(uy[i], &mut wy[i], self.coefficients, inverse_mass, force_y[i]);
+                // A block that has landed stays at its face.
+                if height == Some(block.face) {
+                    uy[i] = block.face;
+                }
+            }
         }
         for number in nx..self.inverse_mass.len() {
             let scale = kick * self.inverse_mass[number];

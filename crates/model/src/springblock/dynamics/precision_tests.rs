@@ -1,46 +1,42 @@
 //! Deviations from sliding in single precision compared with displacements in double precision.
 
-use crate::material::{AreaLaw, Elastic};
+use crate::material::AreaLaw;
 use crate::pattern::{Pattern, Planform};
 
 use super::contact::{ContactRow, ContactSums, LocalLaw};
 use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
 use super::scales::Scales;
-use super::space::{SpaceLeapfrog, SpaceSetup};
+use super::space::SpaceLeapfrog;
 use super::strip_leapfrog::StripLeapfrog;
-use crate::springblock::tests::samples::{coefficients, friction, persson_law};
+use crate::springblock::tests::samples::{E_PA, coefficients, elastic, friction, groove, pattern, persson_law};
 use crate::springblock::{
     Coefficients, Lattice, SpaceLattice, SpaceLoad, SpaceSteadyModel, SteadyLoad, SteadyModel, columns, draws,
 };
 
 const BLOCK_M: f64 = 10e-6;
-const YOUNGS_MODULUS_PA: f64 = 0.38e9;
 const PRESSURE_PA: f64 = 1.3e6;
 /// Speed of the bulk in l per sqrt(m/k): 2 mm/s for the published polymer.
 const SPEED: f64 = 3.6e-6;
 const SEED: u64 = 3;
 
-fn elastic() -> Elastic {
-    Elastic::new(YOUNGS_MODULUS_PA, 900.0).unwrap()
-}
-
 /// Grooves in the plane: a periodic cell, or a sample with two ends and more columns than two strips have.
 fn grooves(periodic: bool) -> Lattice {
-    let pattern = Pattern::new(Planform::Groove, 40e-6, 80e-6, 20e-6).unwrap();
+    let pattern = groove(40.0, 80.0, 20.0);
     let columns = if periodic { columns::cell(&pattern, BLOCK_M) } else { columns::sample(&pattern, BLOCK_M, 601) };
     Lattice::new(columns, 12, periodic)
 }
 
 /// Setup of the engine on `lattice`, and the sliding state from which a run starts.
-fn sliding<'a>(lattice: &Lattice, law: &'a AreaLaw, liftoff: bool, seed: u64) -> (Setup<'a>, Vec<[f64; 2]>) {
+fn sliding<'a>(lattice: &Lattice, law: &'a AreaLaw, liftoff: bool, seed: u64) -> (Setup<'a, 1>, Vec<[f64; 2]>) {
     let drawn = coefficients(seed, lattice.nx());
-    let model = SteadyModel::new(lattice.clone(), BLOCK_M, YOUNGS_MODULUS_PA, liftoff);
+    let model = SteadyModel::new(lattice.clone(), BLOCK_M, E_PA, liftoff);
     let random_phase_friction = draws::random_phase_friction(&drawn, seed);
     let load = SteadyLoad { pressure_pa: PRESSURE_PA, dynamic_mu: &random_phase_friction, area_law: Some(law) };
     let unit_pa = Scales::new(&elastic(), BLOCK_M).pressure_pa;
     let setup = Setup {
         contact: ContactRow::new(lattice.contacts(), &drawn, LocalLaw::new(Some(law), unit_pa)),
+        direction: [1.0],
         protocol: Protocol { ramp: 0.0, start: 0.0, load: PRESSURE_PA / unit_pa * lattice.length(), speed: SPEED },
         time_step: 0.3376,
         damping: 0.01,
@@ -86,7 +82,7 @@ fn the_plane_moves_alike_in_single_and_double_precision() {
 #[test]
 fn the_cell_in_space_moves_alike_in_single_and_double_precision() {
     for [width_um, spacing_um] in [[50.0, 90.0], [30.0, 30.0]] {
-        assert_alike_in_space(&Pattern::new(Planform::Square, width_um * 1e-6, spacing_um * 1e-6, 20e-6).unwrap());
+        assert_alike_in_space(&pattern(Planform::Square, width_um, spacing_um, 20.0));
     }
 }
 
@@ -98,7 +94,7 @@ fn assert_alike_in_space(pattern: &Pattern) {
     let unit_pa = Scales::space(&elastic(), BLOCK_M).pressure_pa;
     for (direction, liftoff) in [([1.0, 0.0], false), ([0.6, 0.8], true)] {
         let phases = draws::random_phase_mean_friction(&friction(), SEED, nx * ny);
-        let model = SpaceSteadyModel::new(lattice.clone(), BLOCK_M, YOUNGS_MODULUS_PA, liftoff);
+        let model = SpaceSteadyModel::new(lattice.clone(), BLOCK_M, E_PA, liftoff);
         let base = model.displacements(&SpaceLoad {
             pressure_pa: PRESSURE_PA,
             dynamic_mu: friction().dynamic_mean(),
@@ -106,9 +102,8 @@ fn assert_alike_in_space(pattern: &Pattern) {
             area_law: Some(&law),
             direction,
         });
-        let setup = SpaceSetup {
-            coefficients: &drawn,
-            law: LocalLaw::new(Some(&law), unit_pa),
+        let setup = Setup {
+            contact: ContactRow::new(lattice.contacts(), &drawn, LocalLaw::new(Some(&law), unit_pa)),
             protocol: Protocol { ramp: 0.0, start: 0.0, load: PRESSURE_PA / unit_pa * (nx * ny) as f64, speed: SPEED },
             direction,
             time_step: 0.1644,

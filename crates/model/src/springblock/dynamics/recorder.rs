@@ -12,22 +12,6 @@ const BATCHES: usize = 20;
 /// Number of steps between two samples of the contact forces for the mean interface.
 const INTERFACE_EVERY: u64 = 64;
 
-/// Sums of contact forces, added over the steps of one recording interval, in units of k l (spring stiffness times
-/// lattice spacing).
-#[derive(Clone, Copy, Debug, Default)]
-struct Bin {
-    friction: f64,
-    across: f64,
-    normal: f64,
-    sliding: f64,
-}
-
-impl Bin {
-    fn mu(&self) -> Option<f64> {
-        (self.normal > 0.0).then(|| self.friction / self.normal)
-    }
-}
-
 /// Mean friction coefficient over the averaging window of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowMean {
@@ -52,8 +36,9 @@ pub struct WindowMean {
 pub struct Recorder {
     steps_per_bin: u64,
     time_step: f64,
-    bins: Vec<Bin>,
-    current_bin: Bin,
+    /// Contact forces, added over the steps of each recording interval.
+    bins: Vec<ContactSums>,
+    current_bin: ContactSums,
     steps: u64,
     /// Minimum averaging time, in units of sqrt(m/k), with block mass m and spring stiffness k.
     min_time: f64,
@@ -74,7 +59,7 @@ impl Recorder {
             steps_per_bin,
             time_step,
             bins: Vec::new(),
-            current_bin: Bin::default(),
+            current_bin: ContactSums::default(),
             steps: 0,
             min_time,
             onset_bin: None,
@@ -87,15 +72,10 @@ impl Recorder {
 
     /// Records the contact sums `sums` of one step, and queries `engine` where needed.
     pub fn record(&mut self, sums: ContactSums, engine: &mut impl Engine) {
-        self.current_bin.friction += sums.friction;
-        self.current_bin.across += sums.across;
-        self.current_bin.normal += sums.normal;
-        self.current_bin.sliding += sums.sliding;
+        self.current_bin.add(sums);
         self.steps += 1;
         if self.onset_bin.is_none() {
-            if sums.normal > 0.0 {
-                self.peak_mu = self.peak_mu.max(sums.friction / sums.normal);
-            }
+            self.peak_mu = sums.mu().map_or(self.peak_mu, |mu| self.peak_mu.max(mu));
             if engine.all_have_slipped() {
                 self.onset_bin = Some(self.bins.len());
                 self.interface_from_bin = self.interface_from_bin.max(self.bins.len() + 1);
@@ -115,7 +95,7 @@ impl Recorder {
     }
 
     fn sample_interface(&mut self, engine: &mut impl Engine) {
-        if self.onset_bin.is_some() && self.bins.len() >= self.interface_from_bin {
+        if self.has_onset() && self.bins.len() >= self.interface_from_bin {
             self.interface_samples += 1;
             let forces = engine.contact_forces();
             self.interface.resize(forces.len(), ContactForce::default());
@@ -174,7 +154,7 @@ impl Recorder {
         let mu = batch_mu.iter().sum::<f64>() / n;
         let variance = batch_mu.iter().map(|b| (b - mu).powi(2)).sum::<f64>() / (n - 1.0);
         let from = first as f64 * self.bin_time();
-        let sum = |of: fn(&Bin) -> f64| self.bins[first..].iter().map(of).sum::<f64>();
+        let sum = |of: fn(&ContactSums) -> f64| self.bins[first..].iter().map(of).sum::<f64>();
         let (mu_across, sliding) = (sum(|bin| bin.across) / sum(|bin| bin.normal), sum(|bin| bin.sliding));
         let excess = (sliding > 0.0).then(|| sum(|bin| bin.friction) / sliding - 1.0);
         let stderr = (variance / n).sqrt();

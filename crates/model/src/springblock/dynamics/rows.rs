@@ -2,31 +2,13 @@
 
 use super::real::{LINE_BYTES, Real, whole_lines};
 
-/// Stiffnesses of the eight springs of one block, in units of the spring stiffness k, by direction: east is the sliding
-/// direction, north points from the counterface to the bulk.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Springs8 {
-    pub east: f64,
-    pub west: f64,
-    pub north: f64,
-    pub south: f64,
-    pub north_east: f64,
-    pub north_west: f64,
-    pub south_east: f64,
-    pub south_west: f64,
-}
+/// Stiffnesses of the eight springs of one block, in units of the spring stiffness k: east, west, north, south, north
+/// east, south west, north west and south east. East is the sliding direction, north points from the counterface to the
+/// bulk. For each kind of [`super::bond_rows::KINDS`] the spring to that side is followed by the opposite one.
+pub type Springs8 = [f64; 8];
 
 /// Springs of a block inside the lattice.
-pub const INSIDE: Springs8 = Springs8 {
-    east: 1.0,
-    west: 1.0,
-    north: 1.0,
-    south: 1.0,
-    north_east: 0.5,
-    north_west: 0.5,
-    south_east: 0.5,
-    south_west: 0.5,
-};
+pub const INSIDE: Springs8 = [1.0, 1.0, 1.0, 1.0, 0.5, 0.5, 0.5, 0.5];
 
 /// Springs and inverse mass of one block.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,39 +17,26 @@ pub struct Site {
     pub inverse_mass: f64,
 }
 
-/// Spring stiffnesses and inverse masses of a row: one array per spring with one entry per column, padded with zeros to
-/// whole cache lines. Stiffnesses of diagonal springs are halved.
-#[derive(Clone, Debug, Default)]
+/// Spring stiffnesses and inverse masses of a row: one array per spring, in the order of [`Springs8`], with one entry
+/// per column, padded with zeros to whole cache lines. Stiffnesses of diagonal springs are halved.
+#[derive(Clone, Debug)]
 pub struct RowCoefficients<R> {
-    pub east: Vec<R>,
-    pub west: Vec<R>,
-    pub north: Vec<R>,
-    pub south: Vec<R>,
-    pub half_north_east: Vec<R>,
-    pub half_north_west: Vec<R>,
-    pub half_south_east: Vec<R>,
-    pub half_south_west: Vec<R>,
+    pub springs: [Vec<R>; 8],
     pub inverse_mass: Vec<R>,
 }
 
 impl<R: Real> RowCoefficients<R> {
     /// Creates the coefficients of a row from its blocks `sites`, in the order of the columns.
     pub fn new(sites: &[Site]) -> Self {
-        let column = |f: fn(&Site) -> f64| {
-            let mut values: Vec<R> = sites.iter().map(f).map(R::round_from).collect();
+        let column = |of: &dyn Fn(&Site) -> f64| {
+            let mut values: Vec<R> = sites.iter().map(of).map(R::round_from).collect();
             values.resize(whole_lines::<R>(sites.len()), R::default());
             values
         };
+        let scale = |spring: usize| if spring < 4 { 1.0 } else { 0.5 };
         Self {
-            east: column(|s| s.springs.east),
-            west: column(|s| s.springs.west),
-            north: column(|s| s.springs.north),
-            south: column(|s| s.springs.south),
-            half_north_east: column(|s| 0.5 * s.springs.north_east),
-            half_north_west: column(|s| 0.5 * s.springs.north_west),
-            half_south_east: column(|s| 0.5 * s.springs.south_east),
-            half_south_west: column(|s| 0.5 * s.springs.south_west),
-            inverse_mass: column(|s| s.inverse_mass),
+            springs: std::array::from_fn(|spring| column(&|site| scale(spring) * site.springs[spring])),
+            inverse_mass: column(&|site| site.inverse_mass),
         }
     }
 }

@@ -66,18 +66,14 @@ impl Scheme {
         } else {
             (Springs::Linear, LEAPFROG_LIMIT, "leapfrog")
         };
-        let limit_s = limit / largest_frequency(lattice, is_unilateral(scene, lattice)) * scales.time_s;
+        let liftoff = scene.run.liftoff || lattice.is_raised();
+        let limit_s = limit / largest_frequency(lattice, liftoff) * scales.time_s;
         let step_s = scene.run.step_s.unwrap_or_else(|| Self::default_step_s(scene));
         if step_s > limit_s {
             return Err(SceneError::UnstableStep { step_s, limit_s, scheme: name });
         }
         Ok(Self { springs: scene.run.springs.unwrap_or(default_law), runge_kutta, step_s, limit_s })
     }
-}
-
-/// Whether blocks of `lattice` may lift: if `scene` requests it, or if the face has heights.
-fn is_unilateral(scene: &Scene, lattice: &Lattice) -> bool {
-    scene.run.liftoff || lattice.is_raised()
 }
 
 /// Default time step of a dynamic run of `scene`, in seconds: in space if `is_spatial`, otherwise in the plane.
@@ -128,11 +124,12 @@ impl DynamicRun<'_> {
         }
         let setup = Setup {
             contact,
+            direction: [1.0],
             // load over k l = P L l / (k l), L in lattice spacings
             protocol: Protocol::new(scene, &scales, self.load.pressure_pa / scales.pressure_pa * self.lattice.length()),
             time_step: self.scheme.step_s / scales.time_s,
             damping: scene.run.damping,
-            liftoff: is_unilateral(scene, self.lattice),
+            liftoff: scene.run.liftoff || self.lattice.is_raised(),
         };
         let start = start.as_deref();
         if self.scheme.runge_kutta {

@@ -30,11 +30,8 @@ impl State {
 
     /// Sets self = base + h * slope for the blocks that `slope` contains.
     fn set_to(&mut self, base: &Self, h: f64, slope: &Self) {
-        for c in 0..2 {
-            for ((s, b), k) in self.u[c].iter_mut().zip(&base.u[c]).zip(&slope.u[c]) {
-                *s = b + h * k;
-            }
-            for ((s, b), k) in self.v[c].iter_mut().zip(&base.v[c]).zip(&slope.v[c]) {
+        for ((own, base), slope) in self.parts_mut().zip(base.parts()).zip(slope.parts()) {
+            for ((s, b), k) in own.iter_mut().zip(base).zip(slope) {
                 *s = b + h * k;
             }
         }
@@ -42,14 +39,19 @@ impl State {
 
     /// Adds h * slope to self for the blocks that `slope` contains.
     fn add(&mut self, h: f64, slope: &Self) {
-        for c in 0..2 {
-            for (s, k) in self.u[c].iter_mut().zip(&slope.u[c]) {
-                *s += h * k;
-            }
-            for (s, k) in self.v[c].iter_mut().zip(&slope.v[c]) {
+        for (own, slope) in self.parts_mut().zip(slope.parts()) {
+            for (s, k) in own.iter_mut().zip(slope) {
                 *s += h * k;
             }
         }
+    }
+
+    fn parts(&self) -> impl Iterator<Item = &Vec<f64>> {
+        self.u.iter().chain(&self.v)
+    }
+
+    fn parts_mut(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        self.u.iter_mut().chain(&mut self.v)
     }
 }
 
@@ -63,7 +65,7 @@ pub struct RungeKutta<'a> {
     /// Time derivative of the state of the contact row.
     slope: State,
     next: State,
-    contact: ContactRow<'a>,
+    contact: ContactRow<'a, 1>,
     /// Direction in which each contact block slips, or would slip if released, in this step: 1 or -1; 0 without
     /// friction.
     direction: Vec<f64>,
@@ -80,8 +82,8 @@ pub struct RungeKutta<'a> {
 
 impl<'a> RungeKutta<'a> {
     /// Creates the integrator with `lattice` at rest.
-    pub fn new(lattice: &Lattice, springs: Springs, setup: Setup<'a>) -> Self {
-        let Setup { contact, protocol, time_step, damping, liftoff } = setup;
+    pub fn new(lattice: &Lattice, springs: Springs, setup: Setup<'a, 1>) -> Self {
+        let Setup { contact, protocol, time_step, damping, liftoff, .. } = setup;
         let bonds = Bonds::new(lattice, springs);
         let inverse_mass = bonds.inverse_mass();
         let blocks = inverse_mass.len();
@@ -136,9 +138,7 @@ impl<'a> RungeKutta<'a> {
             slope.v[1][block.column] = 0.0;
         }
     }
-}
 
-impl RungeKutta<'_> {
     /// Adds `weight` times the time derivative of the rows above the contact row to `next`, and sets these rows of
     /// `stage` to `state` plus `ahead` times the derivative.
     fn advance_above(&mut self, weight: f64, ahead: f64) {

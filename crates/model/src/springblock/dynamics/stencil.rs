@@ -80,24 +80,16 @@ pub fn strips<R: Real>(lattice: &Lattice) -> (Vec<StripStencil<R>>, BulkBalance)
     lattice.for_each_bond(|bond| {
         let (i, j) = bond.a;
         let k = bond.stiffness;
-        let own = &mut sites[j * nx + i].springs;
-        let [x, y] = bond.rest;
-        match (x, y) {
-            (x, 0.0) if x > 0.0 => own.east = k,
-            (0.0, _) => own.north = k,
-            (x, _) if x > 0.0 => own.north_east = k,
-            _ => own.north_west = k,
-        }
+        // Index of the spring among those of the first block; that of the second block has the next index.
+        let spring = match bond.rest {
+            [x, 0.0] if x > 0.0 => 0,
+            [0.0, _] => 2,
+            [x, _] if x > 0.0 => 4,
+            _ => 6,
+        };
+        sites[j * nx + i].springs[spring] = k;
         match bond.b {
-            Some((bi, bj)) => {
-                let other = &mut sites[bj * nx + bi].springs;
-                match (x, y) {
-                    (x, 0.0) if x > 0.0 => other.west = k,
-                    (0.0, _) => other.south = k,
-                    (x, _) if x > 0.0 => other.south_west = k,
-                    _ => other.south_east = k,
-                }
-            }
+            Some((bi, bj)) => sites[bj * nx + bi].springs[spring + 1] = k,
             None => {
                 let [_, kxy, kyy] = bond.linear();
                 to_bulk_yy[i] += kyy;

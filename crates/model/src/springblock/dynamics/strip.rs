@@ -7,7 +7,7 @@ use super::contact_vectors::ContactVectors;
 use super::real::{AddForces, PlaceContacts, Real, whole_lines};
 use super::rows::Field;
 use super::stencil::StripStencil;
-use super::sweep::{ContactRowForces, InsideRows, Kick, MoveRow, RowForces, move_side_block};
+use super::sweep::{InsideRows, Kick, MoveRow, RowForces, move_side_block};
 use slipgrid_base::fft::vectorized;
 
 /// Displacements of the bulk and of the moving frame in a step, in lattice spacings.
@@ -45,7 +45,7 @@ pub enum Side {
 pub struct Strip<'a, R> {
     stencil: StripStencil<R>,
     field: Field<R>,
-    contact: ContactVectors<'a, 1>,
+    pub contact: ContactVectors<'a, 1>,
     kick: Kick,
     /// Drag of the moving frame, from [`Kick::drag`].
     drag: f64,
@@ -76,11 +76,7 @@ impl<'a, R: Real> Strip<'a, R> {
         let own = blocks
             .iter()
             .filter(|block| columns.contains(&block.column))
-            .map(|block| {
-                let mut own = *block;
-                own.column -= columns.start;
-                own
-            })
+            .map(|block| ContactBlock { column: block.column - columns.start, ..*block })
             .collect();
         let inverse_mass = stencil.general[0].inverse_mass.iter().map(|inverse| inverse.to_f64());
         let contact = ContactVectors::new(own, law, [1.0], inverse_mass, kick);
@@ -105,15 +101,6 @@ impl<'a, R: Real> Strip<'a, R> {
     /// Columns of the strip in the lattice.
     pub const fn columns(&self) -> &Range<usize> {
         &self.stencil.columns
-    }
-
-    pub const fn contact(&self) -> &ContactVectors<'a, 1> {
-        &self.contact
-    }
-
-    /// Marks every block as not slipped, at the start of the bulk's motion.
-    pub fn begin_drive(&mut self) {
-        self.contact.begin_drive();
     }
 
     /// Sets the initial displacements x and y, in lattice spacings, which `displacement` returns for a column of the
@@ -224,11 +211,7 @@ impl<'a, R: Real> Strip<'a, R> {
         let Self { stencil, field, contact, kick, drag, force: [force_x, force_y], .. } = self;
         let mut sums = ContactSums::default();
         for (row, coefficients) in stencil.general.iter().enumerate() {
-            if row == 0 && !self.liftoff {
-                vectorized(ContactRowForces { coefficients, field, force_x, force_y });
-            } else {
-                vectorized(RowForces { coefficients, field, row, force_x, force_y });
-            }
+            vectorized(RowForces { coefficients, field, row, force_x, force_y });
             if row == 0 {
                 let total = &mut self.contact_force;
                 for ((force, base_force), total) in
@@ -245,15 +228,8 @@ impl<'a, R: Real> Strip<'a, R> {
                 if self.liftoff {
                     let inverse_mass = &coefficients.inverse_mass;
                     let (heights, rises) = (&self.base.height, &mut self.contact_place[1]);
-                    for block in contact.scalar_blocks() {
-                        let i = block.column;
-                        let (fall, inverse_mass) = (&mut self.fall[i], inverse_mass[i].to_f64());
-                        if let Some(height) =
-                            block.move_detached(heights[i] + rises[i], fall, *kick, inverse_mass, force_y[i])
-                        {
-                            rises[i] = height - heights[i];
-                        }
-                    }
+                    let moved = (&mut rises[..], &mut self.fall[..]);
+                    contact.move_vertically(*kick, force_y, moved, |i| heights[i], |i| inverse_mass[i].to_f64());
                     let row = &mut field.other[1].rows_mut()[start..][..columns];
                     for (row, rise) in row.iter_mut().zip(rises) {
                         *row = R::round_from(*rise);

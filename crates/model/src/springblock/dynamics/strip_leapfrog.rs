@@ -49,7 +49,7 @@ pub struct StripLeapfrog<'scope, 'env, 'a, R> {
 
 impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f64> {
     /// Creates the integrator with a lattice of whole blocks at rest.
-    pub fn new(lattice: &Lattice, setup: Setup<'a>) -> Self {
+    pub fn new(lattice: &Lattice, setup: Setup<'a, 1>) -> Self {
         let kick = Kick::new(setup.time_step, setup.damping);
         Self::with_kick(lattice, setup, kick)
     }
@@ -61,7 +61,7 @@ impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f32> {
     /// `base` has the displacements x and y, in lattice spacings, in equilibrium under the load of `setup`, with index
     /// j * nx + i for column i of row j. The bulk moves at the speed of `setup` from the first step on. Returns `None`
     /// if unbalanced forces remain above the contact row.
-    pub fn from_sliding(lattice: &Lattice, setup: Setup<'a>, base: &[[f64; 2]]) -> Option<Self> {
+    pub fn from_sliding(lattice: &Lattice, setup: Setup<'a, 1>, base: &[[f64; 2]]) -> Option<Self> {
         let Setup { protocol, time_step, damping, .. } = setup;
         let mut sliding = Self::with_kick(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
         let mut bonds = Bonds::new(lattice, Springs::Linear);
@@ -86,7 +86,7 @@ impl<'scope, 'a: 'scope> StripLeapfrog<'scope, '_, 'a, f32> {
 }
 
 impl<'scope, 'env, 'a: 'scope, R: Real> StripLeapfrog<'scope, 'env, 'a, R> {
-    fn with_kick(lattice: &Lattice, setup: Setup<'a>, kick: Kick) -> Self {
+    fn with_kick(lattice: &Lattice, setup: Setup<'a, 1>, kick: Kick) -> Self {
         let Setup { contact, protocol, time_step, liftoff, .. } = setup;
         let (stencils, balance) = strips(lattice);
         let (blocks, law) = contact.into_parts();

@@ -82,9 +82,8 @@ struct StripBoard {
     /// index): a thread may post the next step while another thread still reads the last.
     edges: [[Vec<Number>; 2]; 2],
     top_row_force: Number,
-    friction: Number,
-    normal: Number,
-    sliding: Number,
+    /// Sums of friction, normal and sliding forces over the contact blocks.
+    sums: [Number; 3],
     all_have_slipped: AtomicU64,
     /// Normal force and friction force of every contact block, in units of k l (spring stiffness times lattice
     /// spacing).
@@ -96,9 +95,8 @@ struct StripBoard {
 struct Board {
     strips: Vec<StripBoard>,
     periodic: bool,
-    bulk_x: Number,
-    bulk_height: Number,
-    carried: Number,
+    /// Position of the bulk and of the moving frame, as in [`BulkPosition`].
+    bulk: [Number; 3],
     /// Current command, an index into [`Command::ALL`].
     command: AtomicU64,
     /// Sequence number of the current command; 0 before the first.
@@ -115,19 +113,15 @@ impl Board {
             .map(|strip| StripBoard {
                 edges: [(); 2].map(|()| [(); 2].map(|()| numbers(strip.edge_len()))),
                 top_row_force: Number::default(),
-                friction: Number::default(),
-                normal: Number::default(),
-                sliding: Number::default(),
+                sums: Default::default(),
                 all_have_slipped: AtomicU64::new(0),
-                forces: strip.contact().forces().map(|_| [(); 2].map(|()| Number::default())).collect(),
+                forces: strip.contact.forces().map(|_| Default::default()).collect(),
             })
             .collect();
         Self {
             strips,
             periodic,
-            bulk_x: Number::default(),
-            bulk_height: Number::default(),
-            carried: Number::default(),
+            bulk: Default::default(),
             command: AtomicU64::new(0),
             command_number: AtomicU64::new(0),
             done: (0..others).map(|_| AtomicU64::new(0)).collect(),
@@ -166,18 +160,18 @@ impl Board {
     /// Takes step `step` of strip `number` and posts the results.
     fn step<R: Real>(&self, number: usize, strip: &mut Strip<R>, step: u64) {
         self.join(number, strip, step - 1);
-        let [x, height, carried] = [&self.bulk_x, &self.bulk_height, &self.carried].map(Number::read);
+        let [x, height, carried] = self.bulk.each_ref().map(Number::read);
         let sums = strip.step(BulkPosition { x, height, carried });
         let board = &self.strips[number];
-        board.friction.post(sums.friction);
-        board.normal.post(sums.normal);
-        board.sliding.post(sums.sliding);
-        board.all_have_slipped.store(u64::from(strip.contact().all_have_slipped()), Ordering::Relaxed);
+        for (word, sum) in board.sums.iter().zip([sums.friction, sums.normal, sums.sliding]) {
+            word.post(sum);
+        }
+        board.all_have_slipped.store(u64::from(strip.contact.all_have_slipped()), Ordering::Relaxed);
         self.post(number, strip, step);
     }
 
     fn post_forces<R: Real>(&self, number: usize, strip: &Strip<R>) {
-        for ([normal, friction], force) in self.strips[number].forces.iter().zip(strip.contact().forces()) {
+        for ([normal, friction], force) in self.strips[number].forces.iter().zip(strip.contact.forces()) {
             normal.post(force.normal);
             friction.post(force.friction);
         }
@@ -189,7 +183,7 @@ impl Board {
         for (number, strip) in (first..).zip(strips) {
             match command {
                 Command::Step => self.step(number, strip, *step),
-                Command::BeginDrive => strip.begin_drive(),
+                Command::BeginDrive => strip.contact.begin_drive(),
                 Command::PostForces => self.post_forces(number, strip),
                 Command::Finish => {}
             }
@@ -237,8 +231,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
     /// Issues a command, executes it on the strips of the leader, and waits for the other threads.
     fn issue(&mut self, command: Command) {
         self.command_number += 1;
-        let number = Command::ALL.iter().position(|known| *known == command).unwrap_or(0);
-        self.board.command.store(number as u64, Ordering::Relaxed);
+        self.board.command.store(command as u64, Ordering::Relaxed);
         self.board.command_number.store(self.command_number, Ordering::Release);
         self.board.work(command, 0, &mut self.own, &mut self.step);
         self.wait_for_workers();
@@ -276,13 +269,13 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
     /// Takes one step with the bulk at `bulk`; returns the sums of forces over the contact row at the beginning of the
     /// step.
     pub fn step(&mut self, bulk: BulkPosition) -> ContactSums {
-        self.board.bulk_x.post(bulk.x);
-        self.board.bulk_height.post(bulk.height);
-        self.board.carried.post(bulk.carried);
+        for (word, value) in self.board.bulk.iter().zip([bulk.x, bulk.height, bulk.carried]) {
+            word.post(value);
+        }
         self.issue(Command::Step);
         let mut sums = ContactSums::default();
         for strip in &self.board.strips {
-            let [friction, normal, sliding] = [&strip.friction, &strip.normal, &strip.sliding].map(Number::read);
+            let [friction, normal, sliding] = strip.sums.each_ref().map(Number::read);
             sums.add(ContactSums { friction, normal, sliding, across: 0.0 });
         }
         sums
@@ -324,8 +317,7 @@ impl<'scope, 'a: 'scope, R: Real> StripWorkers<'scope, 'a, R> {
 impl<R> StripWorkers<'_, '_, R> {
     /// Issues the command to finish, without waiting for the threads.
     fn stop_workers(&self) {
-        let number = Command::ALL.len() - 1;
-        self.board.command.store(number as u64, Ordering::Relaxed);
+        self.board.command.store(Command::Finish as u64, Ordering::Relaxed);
         self.board.command_number.store(self.command_number + 1, Ordering::Release);
     }
 }

@@ -22,7 +22,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::real::Real;
-use super::rows::{Field, Plane, RowCoefficients, Site, Springs8};
+use super::rows::{Field, Plane, RowCoefficients, Site};
 
 /// Factors of a leapfrog step.
 #[derive(Clone, Copy, Debug)]
@@ -184,10 +184,8 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
         let (x, y) = (Views::new(simd, &now[0], count), Views::new(simd, &now[1], count));
         // Row 0 has no springs downwards: the values read for them are multiplied by zero.
         let (below, here, above) = (row.saturating_sub(1) * stride, row * stride, (row + 1) * stride);
-        let column = |values| &R::vectors::<S>(values)[..vectors];
-        let (east, west, north, south) = (column(&k.east), column(&k.west), column(&k.north), column(&k.south));
-        let (half_ne, half_nw) = (column(&k.half_north_east), column(&k.half_north_west));
-        let (half_se, half_sw) = (column(&k.half_south_east), column(&k.half_south_west));
+        let [east, west, north, south, half_ne, half_sw, half_nw, half_se] =
+            k.springs.each_ref().map(|values| &R::vectors::<S>(values)[..vectors]);
         let force_x = &mut R::vectors_mut::<S>(force_x)[..vectors];
         let force_y = &mut R::vectors_mut::<S>(force_y)[..vectors];
         let (add, sub, mul) = (|a, b| R::add(simd, a, b), |a, b| R::sub(simd, a, b), |a, b| R::mul(simd, a, b));
@@ -207,41 +205,6 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
             let (to_north, to_south) = (sub(y.centre[above + i], hy), sub(y.centre[below + i], hy));
             let straight = add(mul(north[i], to_north), mul(south[i], to_south));
             force_y[i] = add(straight, sub(rising, falling));
-        }
-    }
-}
-
-/// Computes the spring forces on the contact row, in units of k l (spring stiffness times lattice spacing), if all
-/// blocks of the row stay on the counterface: their vertical displacements are 0, and there are no springs below.
-pub struct ContactRowForces<'a, R> {
-    pub coefficients: &'a RowCoefficients<R>,
-    pub field: &'a Field<R>,
-    pub force_x: &'a mut [R],
-    pub force_y: &'a mut [R],
-}
-
-impl<R: Real> WithSimd for ContactRowForces<'_, R> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { coefficients: k, field: Field { nx, ny, stride, now, .. }, force_x, force_y } = self;
-        let (vectors, stride) = (nx.div_ceil(R::lanes::<S>()), *stride / R::lanes::<S>());
-        let count = (*ny + 1) * stride;
-        let (x, y) = (Views::new(simd, &now[0], count), Views::new(simd, &now[1], count));
-        let column = |values| &R::vectors::<S>(values)[..vectors];
-        let (east, west, north) = (column(&k.east), column(&k.west), column(&k.north));
-        let (half_ne, half_nw) = (column(&k.half_north_east), column(&k.half_north_west));
-        let force_x = &mut R::vectors_mut::<S>(force_x)[..vectors];
-        let force_y = &mut R::vectors_mut::<S>(force_y)[..vectors];
-        let (add, sub, mul) = (|a, b| R::add(simd, a, b), |a, b| R::sub(simd, a, b), |a, b| R::mul(simd, a, b));
-        for i in 0..vectors {
-            let (hx, above) = (x.centre[i], stride + i);
-            let ne = mul(half_ne[i], add(sub(x.east[above], hx), y.east[above]));
-            let nw = mul(half_nw[i], sub(sub(x.west[above], hx), y.west[above]));
-            let straight = add(mul(east[i], sub(x.east[i], hx)), mul(west[i], sub(x.west[i], hx)));
-            force_x[i] = add(straight, add(ne, nw));
-            force_y[i] = add(mul(north[i], y.centre[above]), sub(ne, nw));
         }
     }
 }
@@ -291,7 +254,7 @@ impl<R: Real, const D: usize> WithSimd for MoveRow<'_, R, D> {
 /// side. `field` must still contain the displacements of this block one step earlier.
 pub fn move_side_block<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2], kick: Kick, drag: f64) -> [f64; 2] {
     let Kick { kept, kick } = kick;
-    let k: &Springs8 = &site.springs;
+    let [east, west, north, south, north_east, south_west, north_west, south_east] = site.springs;
     let block = |east: usize, north: usize| {
         // Indices are one more than the offset, so that the lower left neighbour is (0, 0).
         let at = field.index(i + east, j + north - 1) - 1;
@@ -301,10 +264,10 @@ pub fn move_side_block<R: Real>(site: &Site, field: &Field<R>, [i, j]: [usize; 2
         (block(1, 1), block(2, 1), block(0, 1), block(1, 2), block(1, 0));
     let along = |[bx, by]: [f64; 2]| (bx - x) + (by - y);
     let across = |[bx, by]: [f64; 2]| (bx - x) - (by - y);
-    let (ne, sw) = (0.5 * k.north_east * along(block(2, 2)), 0.5 * k.south_west * along(block(0, 0)));
-    let (nw, se) = (0.5 * k.north_west * across(block(0, 2)), 0.5 * k.south_east * across(block(2, 0)));
-    let force_x = k.east * (xe - x) + k.west * (xw - x) + ((ne + sw) + (nw + se));
-    let force_y = k.north * (yn - y) + k.south * (ys - y) + ((ne + sw) - (nw + se));
+    let rising = 0.5 * north_east * along(block(2, 2)) + 0.5 * south_west * along(block(0, 0));
+    let falling = 0.5 * north_west * across(block(0, 2)) + 0.5 * south_east * across(block(2, 0));
+    let force_x = east * (xe - x) + west * (xw - x) + (rising + falling);
+    let force_y = north * (yn - y) + south * (ys - y) + (rising - falling);
     let (at, scale) = (field.index(i, j), kick * site.inverse_mass);
     let before = [0, 1].map(|component: usize| field.other[component].rows()[at].to_f64());
     [x + (kept * (x - before[0]) + drag) + scale * force_x, y + kept * (y - before[1]) + scale * force_y]
@@ -324,7 +287,11 @@ mod tests {
         let size = R::LINE + 6 * field.stride;
         fill(field.now.iter_mut().chain(&mut field.other), size);
         let sites: Vec<Site> = (0..nx)
-            .map(|i| Site { springs: Springs8 { east: 1.0 / (1.0 + i as f64), ..INSIDE }, inverse_mass: 1.3 })
+            .map(|i| {
+                let mut springs = INSIDE;
+                springs[0] = 1.0 / (1.0 + i as f64);
+                Site { springs, inverse_mass: 1.3 }
+            })
             .collect();
         (field, RowCoefficients::new(&sites))
     }
@@ -342,7 +309,7 @@ mod tests {
             let nx = self.nx;
             let (mut field, coefficients) = field::<R>(nx);
             let kick = Kick::new(0.3, 0.02);
-            let padded = coefficients.east.len();
+            let padded = coefficients.inverse_mass.len();
             let (mut force_x, mut force_y) = (vec![R::default(); padded], vec![R::default(); padded]);
             let mut written = Vec::new();
             let mut write = |values: &[R]| written.extend(values[..nx].iter().map(|value| value.to_f64()));
@@ -352,10 +319,6 @@ mod tests {
                 simd.vectorize(forces(&mut force_x, &mut force_y));
                 [&force_x, &force_y].into_iter().for_each(|force| write(force));
             }
-            let contact =
-                |force_x, force_y| ContactRowForces { coefficients: &coefficients, field: &field, force_x, force_y };
-            simd.vectorize(contact(&mut force_x, &mut force_y));
-            [&force_x, &force_y].into_iter().for_each(|force| write(force));
             let (inverse_mass, start, force) =
                 (&coefficients.inverse_mass, field.index(0, 1), [&force_x[..], &force_y]);
             let (now, other) = (&field.now, &mut field.other);

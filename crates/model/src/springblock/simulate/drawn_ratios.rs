@@ -8,12 +8,6 @@ use crate::springblock::{
     Load, Monitor, Scene, SpaceLattice, SpaceLoad, SpaceSteadyModel, Status, SurfaceOutcome, draws,
 };
 
-/// Creates the model of steady sliding on `lattice`.
-pub fn model_of(scene: &Scene, lattice: &SpaceLattice) -> SpaceSteadyModel {
-    let stiffness_pa = scene.elastic.youngs_modulus_pa();
-    SpaceSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness_pa, scene.run.liftoff)
-}
-
 /// Solves steady sliding of `model` along the unit vector `direction` at each load, with the dynamic coefficients
 /// `drawn`, one list of all columns per load.
 pub fn solve_drawn(
@@ -23,13 +17,10 @@ pub fn solve_drawn(
     drawn: Vec<Vec<f64>>,
     monitor: &dyn Monitor,
 ) -> Vec<SurfaceOutcome> {
-    let lattice = model.lattice();
-    let [nx, ny] = lattice.columns();
     // Coefficients of the columns that touch, over their mean.
     let relative = |(load, drawn): (&Load, Vec<f64>)| -> Vec<f64> {
         let mean = load.friction.dynamic_mean();
-        let touching = (0..nx * ny).filter(|column| lattice.contact_share(column % nx, column / nx) > 0.0);
-        touching.map(|column| drawn[column] / mean).collect()
+        model.lattice().contacts().map(|column| drawn[column] / mean).collect()
     };
     let relative: Vec<Vec<f64>> = scene.loads.iter().zip(drawn).map(relative).collect();
     let mut loads = Vec::with_capacity(relative.len());
@@ -65,7 +56,7 @@ impl SteadyRatios {
         let friction: Vec<Vec<Vec<Option<f64>>>> = lattices
             .into_par_iter()
             .map(|lattice| {
-                let model = model_of(scene, lattice);
+                let model = SpaceSteadyModel::for_scene(scene, lattice.clone());
                 let [nx, ny] = lattice.columns();
                 let of_draw = |draw: Option<usize>| {
                     let of_load = |load: &Load| match draw {

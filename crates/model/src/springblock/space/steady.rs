@@ -15,7 +15,7 @@ use super::directions::{Direction, Directions, norm};
 use super::interface::{Face, Interface, Response};
 use super::lattice::SpaceLattice;
 use crate::springblock::outcome::peak_over_whole_blocks;
-use crate::springblock::{InterfacePoint, Load, Monitor, Status, SurfaceOutcome, Unwatched};
+use crate::springblock::{InterfacePoint, Load, Monitor, Scene, Status, SurfaceOutcome, Unwatched};
 
 /// Default tolerance: a solve has converged if the sum of the magnitudes of the unbalanced forces, divided by the load,
 /// is no larger.
@@ -121,6 +121,11 @@ impl SpaceSteadyModel {
         // A face with height variations does not touch the counterface everywhere.
         let liftoff = liftoff || lattice.is_raised();
         Self { lattice, block_m, youngs_modulus_pa, liftoff, yield_pressure_pa: None, tolerance: TOLERANCE, interface }
+    }
+
+    /// Creates the model with the blocks and the material of `scene`.
+    pub(crate) fn for_scene(scene: &Scene, lattice: SpaceLattice) -> Self {
+        Self::new(lattice, scene.layer.block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff)
     }
 
     /// Sets the pressure in pascals at which the heights of the face yield; with `None` the heights stay elastic.

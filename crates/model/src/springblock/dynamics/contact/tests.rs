@@ -1,11 +1,18 @@
 use super::*;
 
-fn row(static_mu: f64, dynamic_mu: f64) -> ContactRow<'static> {
+fn row(static_mu: f64, dynamic_mu: f64) -> ContactRow<'static, 1> {
     let coefficients = [Coefficients { static_mu, dynamic_mu }];
     ContactRow::new([0].into_iter(), &coefficients, LocalLaw::new(None, 1.0))
 }
 
-fn kick(row: &mut ContactRow, velocity: f64, force: [f64; 2]) -> (f64, ContactSums) {
+/// A row whose block slides.
+fn sliding_row() -> ContactRow<'static, 1> {
+    let mut row = row(0.3, 0.27);
+    (row.blocks[0].motion, row.blocks[0].has_slipped) = (Motion::Slip, true);
+    row
+}
+
+fn kick(row: &mut ContactRow<1>, velocity: f64, force: [f64; 2]) -> (f64, ContactSums) {
     let mut v = [velocity];
     let sums = row.kick(&mut v, &[force[0]], &[force[1]], 1.0, &[0.1]);
     (v[0], sums)
@@ -26,8 +33,7 @@ fn a_block_at_rest_is_held_up_to_its_threshold() {
 
 #[test]
 fn a_block_that_slides_when_the_drive_begins_counts_as_slipped() {
-    let mut row = row(0.3, 0.27);
-    row.all_slip();
+    let mut row = sliding_row();
     row.begin_drive();
     assert!(!row.all_have_slipped());
     kick(&mut row, 1.0, [0.0, -1.0]);
@@ -43,8 +49,7 @@ fn a_block_that_draws_less_static_than_dynamic_friction_starts_at_the_dynamic_on
 
 #[test]
 fn a_step_that_would_reverse_ends_at_rest_with_the_friction_it_took() {
-    let mut row = row(0.3, 0.27);
-    row.all_slip();
+    let mut row = sliding_row();
     let (v, sums) = kick(&mut row, 0.02, [0.0, -1.0]);
     // It stops (0.02 - 0.007)^2 / (8 0.027) further on; friction below 0.27 stopped it.
     assert!((v - 0.013_f64.powi(2) / 0.216).abs() < 1e-15 && row.blocks[0].motion == Motion::Rest);

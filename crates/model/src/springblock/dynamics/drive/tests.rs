@@ -3,7 +3,7 @@
 use super::*;
 use crate::springblock::dynamics::contact::ContactSums;
 use crate::springblock::tests::samples;
-use crate::springblock::{Fidelity, RunOptions, Unwatched, simulate};
+use crate::springblock::{RunOptions, Unwatched, simulate};
 
 /// Test engine whose sums and forces encode the step number.
 #[derive(Default)]
@@ -81,8 +81,7 @@ fn steps_two_at_once_are_asked_the_same_as_steps_one_by_one() {
 /// Far above the speed of even sliding a run's mean may by chance be near sliding friction or above it.
 #[test]
 fn nothing_stands_for_sliding_that_is_far_too_fast() {
-    let run = RunOptions { warm_start: true, sliding_m: 2e-6, fidelity: Fidelity::Dynamic, ..RunOptions::default() };
-    let mut scene = samples::scene(samples::groove(40.0, 60.0, 20.0), &[1.3], run);
+    let mut scene = samples::scene(samples::groove(40.0, 60.0, 20.0), &[1.3], samples::in_time(2e-6));
     scene.pattern = None;
     scene.layer.length_m = 500e-6;
     let even_m_s = even_speed_m_s(&scene.elastic, 1.3e6);

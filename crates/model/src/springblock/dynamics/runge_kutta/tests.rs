@@ -6,9 +6,8 @@
 
 use super::*;
 use crate::material::AreaLaw;
-use crate::pattern::{Pattern, Planform};
-use crate::springblock::columns;
 use crate::springblock::dynamics::contact::LocalLaw;
+use crate::springblock::dynamics::tests::patterned;
 use crate::springblock::tests::samples;
 
 /// Work since the start, in k l^2.
@@ -65,12 +64,12 @@ impl RungeKutta<'_> {
 const NANOSECOND: f64 = 0.056273;
 
 fn engine<'a>(springs: Springs, time_step: f64, speed: f64, damping: f64, law: Option<&'a AreaLaw>) -> RungeKutta<'a> {
-    let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
-    let lattice = Lattice::new(columns::cell(&pattern, 10e-6), 6, true);
+    let lattice = patterned(true);
     let coefficients = samples::coefficients(5, lattice.nx());
     // 2.6 MPa over k / l = 0.75 x 0.38 GPa; times are whole numbers of steps.
     let setup = Setup {
         contact: ContactRow::new(lattice.contacts(), &coefficients, LocalLaw::new(law, 285e6)),
+        direction: [1.0],
         protocol: Protocol {
             ramp: 200.0 * NANOSECOND,
             start: 1000.0 * NANOSECOND,

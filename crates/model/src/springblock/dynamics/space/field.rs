@@ -88,18 +88,13 @@ impl<R: Real> Field<R> {
 
     /// Fills the ghost values of all layers at both instants.
     pub fn fill_all_images(&mut self) {
-        self.join_layers(0..self.nz);
-        self.swap();
-        self.join_layers(0..self.nz);
-        self.swap();
-    }
-
-    /// Fills all ghost values of the layers `layers` in the displacements that sweeps have written.
-    fn join_layers(&mut self, layers: Range<usize>) {
-        for k in layers.clone() {
-            self.join_rows(k, 0..self.ny);
+        for _ in 0..2 {
+            for k in 0..self.nz {
+                self.join_rows(k, 0..self.ny);
+            }
+            self.join_ends(0..self.nz);
+            self.swap();
         }
-        self.join_ends(layers);
     }
 
     /// Fills the ghost values at both ends of the rows `rows` of layer `k` in the displacements that a sweep has

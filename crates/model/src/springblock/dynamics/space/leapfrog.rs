@@ -5,9 +5,9 @@
 
 use std::ops::Range;
 
-use super::super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw};
+use super::super::contact::{ContactForce, ContactSums};
 use super::super::contact_vectors::ContactVectors;
-use super::super::engine::Engine;
+use super::super::engine::{Engine, Setup};
 use super::super::protocol::Protocol;
 use super::super::real::{AddForces, PlaceContacts, Real, is_in_equilibrium, whole_lines};
 use super::super::rows::Plane;
@@ -17,27 +17,8 @@ use super::bonds::SpaceBonds;
 use super::field::Field;
 use super::stencil::{GeneralRow, Stencil};
 use super::sweep::{InsideRows, RowForces};
-use crate::springblock::{Coefficients, SpaceLattice};
+use crate::springblock::SpaceLattice;
 use slipgrid_base::fft::vectorized;
-
-/// Parameters of the leapfrog integrator besides the lattice. Units: spring stiffness k, lattice spacing l, block mass
-/// m.
-#[derive(Clone, Debug)]
-pub struct SpaceSetup<'a> {
-    /// Local friction coefficients; index j * nx + i for column i along x and j along y.
-    pub coefficients: &'a [Coefficients],
-    pub law: LocalLaw<'a>,
-    /// Load and motion of the bulk.
-    pub protocol: Protocol,
-    /// Unit vector of the sliding direction.
-    pub direction: [f64; 2],
-    /// Time step in units of sqrt(m/k).
-    pub time_step: f64,
-    /// Damping frequency gamma in units of sqrt(k/m): the damping force on a block is -gamma m v.
-    pub damping: f64,
-    /// Whether contact is unilateral, so that blocks may lift.
-    pub liftoff: bool,
-}
 
 /// Number of rows of a tile, which is swept layer by layer. Smaller tiles sweep more rows twice; larger tiles lose the
 /// cache lines of one vector column from the first-level cache before the next column needs them.
@@ -85,7 +66,7 @@ pub struct SpaceLeapfrog<'a, R> {
 
 impl<'a> SpaceLeapfrog<'a, f64> {
     /// Creates the integrator with a lattice of whole cubes at rest.
-    pub fn new(lattice: &SpaceLattice, setup: SpaceSetup<'a>) -> Self {
+    pub fn new(lattice: &SpaceLattice, setup: Setup<'a, 2>) -> Self {
         let kick = Kick::new(setup.time_step, setup.damping);
         Self::with_kick(lattice, setup, kick)
     }
@@ -97,8 +78,8 @@ impl<'a> SpaceLeapfrog<'a, f32> {
     /// `base` has the displacements, in lattice spacings, in equilibrium under the load of `setup`, with index (k ny +
     /// j) nx + i for block (i, j, k). The bulk moves at the speed of `setup` from the first step on. Returns `None` if
     /// unbalanced forces remain above the contact layer.
-    pub fn from_sliding(lattice: &SpaceLattice, setup: SpaceSetup<'a>, base: &[[f64; 3]]) -> Option<Self> {
-        let SpaceSetup { protocol, time_step, damping, direction, .. } = setup;
+    pub fn from_sliding(lattice: &SpaceLattice, setup: Setup<'a, 2>, base: &[[f64; 3]]) -> Option<Self> {
+        let Setup { protocol, time_step, damping, direction, .. } = setup;
         let mut sliding = Self::with_kick(lattice, setup, Kick::new(time_step, damping).rounded::<f32>());
         let bonds = SpaceBonds::new(lattice);
         let mut u = base.to_vec();
@@ -127,15 +108,15 @@ impl<'a> SpaceLeapfrog<'a, f32> {
 }
 
 impl<'a, R: Real> SpaceLeapfrog<'a, R> {
-    fn with_kick(lattice: &SpaceLattice, setup: SpaceSetup<'a>, kick: Kick) -> Self {
-        let SpaceSetup { coefficients, law, protocol, direction, time_step, liftoff, .. } = setup;
+    fn with_kick(lattice: &SpaceLattice, setup: Setup<'a, 2>, kick: Kick) -> Self {
+        let Setup { contact, protocol, direction, time_step, liftoff, .. } = setup;
         let [nx, ny] = lattice.columns();
         let padded = whole_lines::<R>(nx);
         let stencil = Stencil::<R>::new(lattice);
-        let blocks = (0..nx * ny)
-            .filter(|column| lattice.contact_share(column % nx, column / nx) > 0.0)
-            .map(|column| ContactBlock::new(column / nx * padded + column % nx, coefficients[column]))
-            .collect();
+        let (mut blocks, law) = contact.into_parts();
+        for block in &mut blocks {
+            block.column = block.column / nx * padded + block.column % nx;
+        }
         let inverse_mass = stencil.general[0].iter().flat_map(|row| &row.coefficients.inverse_mass);
         let inverse_mass = inverse_mass.map(|inverse| inverse.to_f64());
         let contact = ContactVectors::new(blocks, law, direction, inverse_mass, kick);
@@ -177,17 +158,6 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
             }
         }
         self.field.fill_all_images();
-    }
-
-    /// Sets the face heights of the contact blocks from `lattice`; blocks above their face height start lifted. Call
-    /// this method after [`Self::start_sheared`].
-    pub fn raise(&mut self, lattice: &SpaceLattice) {
-        let (nx, padded) = (self.field.nx, whole_lines::<R>(self.field.nx));
-        let Self { contact, contact_place, base, .. } = self;
-        contact.place(|place| {
-            let (i, j) = (place % padded, place / padded);
-            [lattice.relief(i, j), base_height(base, j * nx + i) + contact_place[2][place]]
-        });
     }
 
     /// Displacements x, y and z of block (i, j, k), in lattice spacings.
@@ -274,16 +244,11 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         let Self { stencil, field, contact, kick, contact_force: [_, _, force], fall, base, .. } = self;
         let [_, _, rises] = &mut self.contact_place;
         let (nx, padded) = (field.nx, whole_lines::<R>(field.nx));
-        for block in contact.scalar_blocks() {
-            let (place, i, j) = (block.column, block.column % padded, block.column / padded);
-            let inverse_mass = stencil.general[0][j].coefficients.inverse_mass[i].to_f64();
-            let base = base_height(base, j * nx + i);
-            if let Some(height) =
-                block.move_detached(base + rises[place], &mut fall[place], *kick, inverse_mass, force[place])
-            {
-                rises[place] = height - base;
-            }
-        }
+        // Without a base state its height is 0.
+        let base_height = |place: usize| base.get(place / padded * nx + place % padded).map_or(0.0, |base| base[2]);
+        let inverse_mass =
+            |place: usize| stencil.general[0][place / padded].coefficients.inverse_mass[place % padded].to_f64();
+        contact.move_vertically(*kick, force, (&mut *rises, fall), base_height, inverse_mass);
         for j in 0..field.ny {
             let start = field.index(0, j, 0);
             let row = &mut field.other[2].rows_mut()[start..][..nx];
@@ -338,12 +303,6 @@ impl<'a, R: Real> SpaceLeapfrog<'a, R> {
         self.field.swap();
         sums
     }
-}
-
-/// Vertical displacement of contact column `column` in the base state `base`, in lattice spacings; 0 without a base
-/// state.
-fn base_height(base: &[[f64; 3]], column: usize) -> f64 {
-    base.get(column).map_or(0.0, |base| base[2])
 }
 
 impl<R: Real> Engine for SpaceLeapfrog<'_, R> {

@@ -19,7 +19,7 @@ mod stencil;
 mod sweep;
 
 #[cfg(test)]
-pub use leapfrog::{SpaceLeapfrog, SpaceSetup};
+pub use leapfrog::SpaceLeapfrog;
 pub use run::{SPACE_STEP, SpaceRun, SpaceScheme};
 
 #[cfg(test)]

@@ -1,13 +1,14 @@
 //! One dynamic run of one cell or strip in space.
 
-use super::super::contact::LocalLaw;
+use super::super::contact::{ContactRow, LocalLaw};
 use super::super::drive::{Drive, refusal, refused_outcome};
+use super::super::engine::Setup;
 use super::super::protocol::Protocol;
 use super::super::real::Real;
 use super::super::scales::Scales;
 use super::super::stability::largest_eigenfrequency;
 use super::bonds::SpaceBonds;
-use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
+use super::leapfrog::SpaceLeapfrog;
 use crate::springblock::{
     Load, Monitor, Scene, SceneError, SpaceLattice, SpaceLoad, SpaceSteadyModel, Status, SurfaceOutcome, draws,
 };
@@ -34,18 +35,14 @@ impl SpaceScheme {
     /// [`SceneError::UnstableStep`] if the step exceeds the stability limit.
     pub fn choose(scene: &Scene, lattice: &SpaceLattice) -> Result<Self, SceneError> {
         let scales = Scales::space(&scene.elastic, scene.layer.block_m);
-        let limit_s = LEAPFROG_LIMIT / largest_frequency(lattice, is_unilateral(scene, lattice)) * scales.time_s;
+        let liftoff = scene.run.liftoff || lattice.is_raised();
+        let limit_s = LEAPFROG_LIMIT / largest_frequency(lattice, liftoff) * scales.time_s;
         let step_s = scene.run.step_s.unwrap_or(SPACE_STEP * scales.time_s);
         if step_s > limit_s {
             return Err(SceneError::UnstableStep { step_s, limit_s, scheme: "leapfrog in three dimensions" });
         }
         Ok(Self { step_s, limit_s })
     }
-}
-
-/// Whether blocks of `lattice` may lift: if `scene` requests it, or if the face has heights.
-fn is_unilateral(scene: &Scene, lattice: &SpaceLattice) -> bool {
-    scene.run.liftoff || lattice.is_raised()
 }
 
 /// Largest angular eigenfrequency of `lattice` in units of sqrt(k/m), with spring stiffness k and block mass m. Blocks
@@ -110,9 +107,14 @@ impl SpaceRun<'_> {
         let plane = Scales::new(&scene.elastic, scene.layer.block_m);
         let [nx, ny] = lattice.columns();
         let coefficients = draws::draw(&self.load.friction, self.seed, nx * ny);
-        let setup = SpaceSetup {
-            coefficients: &coefficients,
-            law: LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa),
+        let start = self.start();
+        let law = LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa);
+        let mut contact = ContactRow::new(lattice.contacts(), &coefficients, law);
+        if let Some(start) = start.as_ref().filter(|_| lattice.is_raised()) {
+            contact.place(|column| [lattice.relief(column % nx, column / nx), start[column][2]]);
+        }
+        let setup = Setup {
+            contact,
             // The load is P l^2 per column of the face.
             protocol: Protocol::new(
                 scene,
@@ -123,20 +125,16 @@ impl SpaceRun<'_> {
             time_step: self.scheme.step_s / scales.time_s,
             // The damping rate in 1/s is the same as in the plane, where k differs.
             damping: scene.run.damping * scales.time_s / plane.time_s,
-            liftoff: is_unilateral(scene, lattice),
+            liftoff: scene.run.liftoff || lattice.is_raised(),
         };
-        let sheared = scene.run.warm_start.then(|| self.sheared());
-        let sliding = sheared.as_ref().and_then(|base| SpaceLeapfrog::from_sliding(lattice, setup.clone(), base));
+        let sliding = start.as_ref().filter(|_| scene.run.warm_start);
+        let sliding = sliding.and_then(|base| SpaceLeapfrog::from_sliding(lattice, setup.clone(), base));
         if let Some(engine) = sliding {
             return self.drive(engine, started_s, monitor);
         }
         let mut engine = SpaceLeapfrog::new(lattice, setup);
-        if let Some(start) = sheared {
+        if let Some(start) = start {
             engine.start_sheared(&|[i, j, k]| start[(k * ny + j) * nx + i]);
-        } else if lattice.is_raised() {
-            // The unloaded layer touches with its highest point.
-            let highest = lattice.highest();
-            engine.start_sheared(&|_| [0.0, 0.0, highest]);
         }
         self.drive(engine, started_s, monitor)
     }
@@ -144,9 +142,6 @@ impl SpaceRun<'_> {
     fn drive<R: Real>(&self, mut engine: SpaceLeapfrog<R>, started_s: f64, monitor: &dyn Monitor) -> SurfaceOutcome {
         let Self { scene, lattice, .. } = self;
         let scales = Scales::space(&scene.elastic, scene.layer.block_m);
-        if lattice.is_raised() {
-            engine.raise(lattice);
-        }
         let drive = Drive {
             scene,
             pressure_pa: self.load.pressure_pa,
@@ -164,25 +159,26 @@ impl SpaceRun<'_> {
         driven.outcome(scene, &scales, self.centres_m(), self.is_closed(&engine))
     }
 
-    /// Displacements x, y and z, in lattice spacings, of the cell in equilibrium with sliding friction, every block at
-    /// a random phase of its stick-slip cycle; index (k ny + j) nx + i for block (i, j, k).
-    fn sheared(&self) -> Vec<[f64; 3]> {
+    /// Initial displacements x, y and z, in lattice spacings, with index (k ny + j) nx + i for block (i, j, k). A warm
+    /// start has the displacements in equilibrium with sliding friction, every block at a random phase of its stick-slip
+    /// cycle; an unloaded layer with face heights touches with its highest point; `None` for an unloaded flat layer.
+    fn start(&self) -> Option<Vec<[f64; 3]>> {
         let Self { scene, load, lattice, .. } = *self;
-        let mean = SpaceLoad::with_mean_friction(load, scene.area_law.as_ref(), self.direction);
         let [nx, ny] = lattice.columns();
+        if !scene.run.warm_start {
+            return lattice.is_raised().then(|| vec![[0.0, 0.0, lattice.highest()]; nx * ny * lattice.rows()]);
+        }
+        let mean = SpaceLoad::with_mean_friction(load, scene.area_law.as_ref(), self.direction);
         let phases = draws::random_phase_mean_friction(&load.friction, self.seed, nx * ny);
-        let stiffness_pa = scene.elastic.youngs_modulus_pa();
-        let model = SpaceSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness_pa, scene.run.liftoff);
-        model.displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean })
+        let model = SpaceSteadyModel::for_scene(scene, lattice.clone());
+        Some(model.displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean }))
     }
 
     /// Centres of the contact blocks, x and y in metres, row by row along x.
     fn centres_m(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
-        let [nx, ny] = self.lattice.columns();
-        (0..nx * ny)
-            .map(move |column| [column % nx, column / nx])
-            .filter(|[i, j]| self.lattice.contact_share(*i, *j) > 0.0)
-            .map(|column| column.map(|number| (number as f64 + 0.5) * self.scene.layer.block_m))
+        let nx = self.lattice.columns()[0];
+        let centre_m = |number: usize| (number as f64 + 0.5) * self.scene.layer.block_m;
+        self.lattice.contacts().map(move |column| [column % nx, column / nx].map(centre_m))
     }
 
     /// Whether the ceiling of a cavity touches the counterface at the end of the run.
@@ -198,11 +194,12 @@ impl SpaceRun<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pattern::{Pattern, Planform};
+    use crate::pattern::Planform;
+    use crate::springblock::tests::samples::pattern;
 
     #[test]
     fn the_largest_frequency_is_that_of_the_dense_matrix() {
-        let pattern = Pattern::new(Planform::Square, 20e-6, 30e-6, 10e-6).unwrap();
+        let pattern = pattern(Planform::Square, 20.0, 30.0, 10.0);
         for lattice in [SpaceLattice::cell(&pattern, 10e-6, 3), SpaceLattice::flat([4, 4], 3)] {
             let bonds = SpaceBonds::new(&lattice);
             let blocks = bonds.mass().len();
@@ -235,7 +232,7 @@ mod tests {
         // Inside the lattice, [100] waves of the shortest length have m w^2 = 12 k.
         let flat = largest_frequency(&SpaceLattice::flat([8, 8], 20), false);
         assert!(flat > 12.0_f64.sqrt() && flat < 4.5, "{flat}");
-        let pattern = Pattern::new(Planform::Square, 40e-6, 80e-6, 20e-6).unwrap();
+        let pattern = pattern(Planform::Square, 40.0, 80.0, 20.0);
         let patterned = largest_frequency(&SpaceLattice::cell(&pattern, 10e-6, 10), false);
         // Blocks at the edges of lands have a quarter of the mass and most of their springs.
         assert!(patterned > flat && patterned < 5.2, "{patterned}");

@@ -207,7 +207,7 @@ mod tests {
                 let (v, f) = (v[0], pull * if number % 2 == 0 { 1.0 } else { -1.0 });
                 let coefficients = [Coefficients { static_mu: 0.3, dynamic_mu: 0.27 }];
                 let mut row = ContactRow::new([0].into_iter(), &coefficients, LocalLaw::new(None, 1.0));
-                row.all_slip();
+                row.blocks[0].motion = Motion::Slip;
                 let mut plane = [v];
                 let sums = row.kick(&mut plane, &[f], &[-1.0], 1.0, &[0.1]);
                 let mut own = block(0.3, 0.27);

@@ -39,18 +39,13 @@ pub const STEPS: [[isize; 3]; SPRINGS] = [
 /// cache lines. Stiffnesses of diagonal springs are halved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RowCoefficients<R> {
-    springs: Vec<R>,
+    /// Stiffnesses in units of the spring stiffness k: for each spring, in the order of [`STEPS`], the values of all
+    /// columns.
+    pub springs: Vec<R>,
     pub inverse_mass: Vec<R>,
 }
 
 impl<R: Real> RowCoefficients<R> {
-    /// Stiffnesses in units of the spring stiffness k: for each spring, in the order of [`STEPS`], the values of all
-    /// columns. Stiffnesses of diagonals are halved.
-    #[inline(always)]
-    pub fn springs(&self) -> &[R] {
-        &self.springs
-    }
-
     /// Creates the coefficients of row `j` of layer `k` of a lattice of whole cubes.
     fn new(lattice: &SpaceLattice, j: usize, k: usize) -> Self {
         let [nx, _] = lattice.columns();

@@ -201,25 +201,6 @@ pub struct RowForces<'a, R> {
     pub force: [&'a mut [R]; 3],
 }
 
-/// Returns k (value - own), the force of a spring along an axis.
-#[inline(always)]
-fn stretch<S: Simd, R: Real>(simd: S, k: R::Vector<S>, value: R::Vector<S>, own: R::Vector<S>) -> R::Vector<S> {
-    R::mul(simd, k, R::sub(simd, value, own))
-}
-
-/// Returns k times the sum of the differences `values` - `own` of two components, the force of a rising diagonal.
-#[inline(always)]
-fn rise<S: Simd, R: Real>(simd: S, k: R::Vector<S>, values: [R::Vector<S>; 2], own: [R::Vector<S>; 2]) -> R::Vector<S> {
-    R::mul(simd, k, R::add(simd, R::sub(simd, values[0], own[0]), R::sub(simd, values[1], own[1])))
-}
-
-/// Returns k times the first minus the second difference `values` - `own` of two components, the force of a falling
-/// diagonal.
-#[inline(always)]
-fn fall<S: Simd, R: Real>(simd: S, k: R::Vector<S>, values: [R::Vector<S>; 2], own: [R::Vector<S>; 2]) -> R::Vector<S> {
-    R::mul(simd, k, R::sub(simd, R::sub(simd, values[0], own[0]), R::sub(simd, values[1], own[1])))
-}
-
 impl<R: Real> WithSimd for RowForces<'_, R> {
     type Output = ();
 
@@ -240,62 +221,47 @@ impl<R: Real> WithSimd for RowForces<'_, R> {
         let force_y = &mut R::vectors_mut::<S>(force_y)[..vectors];
         let force_z = &mut R::vectors_mut::<S>(force_z)[..vectors];
         // Springs in the order of STEPS, vectors fastest.
-        let springs = R::vectors::<S>(coefficients.springs());
+        let springs = R::vectors::<S>(&coefficients.springs);
         let padded = springs.len() / SPRINGS;
+        let (add, sub, mul) = (|a, b| R::add(simd, a, b), |a, b| R::sub(simd, a, b), |a, b| R::mul(simd, a, b));
         for i in 0..vectors {
             let at = own + i;
             let (above, below, north, south) = (at + up, at - down, at + row_step, at - row_step);
             let k = |spring: usize| springs[spring * padded + i];
             let (u, v, w) = (x.centre[at], y.centre[at], z.centre[at]);
             // Half the stiffness times the elongation along each diagonal: the entries of e e^T are 1/2.
-            let [xy_x, xy_y] = sum_and_difference::<S, R>(
-                simd,
-                [
-                    rise::<S, R>(simd, k(6), [x.east[north], y.east[north]], [u, v]),
-                    rise::<S, R>(simd, k(7), [x.west[south], y.west[south]], [u, v]),
-                ],
-                [
-                    fall::<S, R>(simd, k(8), [x.west[north], y.west[north]], [u, v]),
-                    fall::<S, R>(simd, k(9), [x.east[south], y.east[south]], [u, v]),
-                ],
+            let rise = |k, a, b, [own_a, own_b]: [R::Vector<S>; 2]| mul(k, add(sub(a, own_a), sub(b, own_b)));
+            let fall = |k, a, b, [own_a, own_b]: [R::Vector<S>; 2]| mul(k, sub(sub(a, own_a), sub(b, own_b)));
+            let xy = [u, v];
+            let rising =
+                add(rise(k(6), x.east[north], y.east[north], xy), rise(k(7), x.west[south], y.west[south], xy));
+            let falling =
+                add(fall(k(8), x.west[north], y.west[north], xy), fall(k(9), x.east[south], y.east[south], xy));
+            let (xy_x, xy_y) = (add(rising, falling), sub(rising, falling));
+            let xz = [u, w];
+            let rising =
+                add(rise(k(10), x.east[above], z.east[above], xz), rise(k(11), x.west[below], z.west[below], xz));
+            let falling =
+                add(fall(k(12), x.west[above], z.west[above], xz), fall(k(13), x.east[below], z.east[below], xz));
+            let (xz_x, xz_z) = (add(rising, falling), sub(rising, falling));
+            let yz = [v, w];
+            let [north_above, south_below] = [above + row_step, below - row_step];
+            let [south_above, north_below] = [above - row_step, below + row_step];
+            let rising = add(
+                rise(k(14), y.centre[north_above], z.centre[north_above], yz),
+                rise(k(15), y.centre[south_below], z.centre[south_below], yz),
             );
-            let [xz_x, xz_z] = sum_and_difference::<S, R>(
-                simd,
-                [
-                    rise::<S, R>(simd, k(10), [x.east[above], z.east[above]], [u, w]),
-                    rise::<S, R>(simd, k(11), [x.west[below], z.west[below]], [u, w]),
-                ],
-                [
-                    fall::<S, R>(simd, k(12), [x.west[above], z.west[above]], [u, w]),
-                    fall::<S, R>(simd, k(13), [x.east[below], z.east[below]], [u, w]),
-                ],
+            let falling = add(
+                fall(k(16), y.centre[south_above], z.centre[south_above], yz),
+                fall(k(17), y.centre[north_below], z.centre[north_below], yz),
             );
-            let [yz_y, yz_z] = sum_and_difference::<S, R>(
-                simd,
-                [
-                    rise::<S, R>(simd, k(14), [y.centre[above + row_step], z.centre[above + row_step]], [v, w]),
-                    rise::<S, R>(simd, k(15), [y.centre[below - row_step], z.centre[below - row_step]], [v, w]),
-                ],
-                [
-                    fall::<S, R>(simd, k(16), [y.centre[above - row_step], z.centre[above - row_step]], [v, w]),
-                    fall::<S, R>(simd, k(17), [y.centre[below + row_step], z.centre[below + row_step]], [v, w]),
-                ],
-            );
-            let straight =
-                R::add(simd, stretch::<S, R>(simd, k(0), x.east[at], u), stretch::<S, R>(simd, k(1), x.west[at], u));
-            force_x[i] = R::add(simd, straight, R::add(simd, xy_x, xz_x));
-            let straight = R::add(
-                simd,
-                stretch::<S, R>(simd, k(2), y.centre[north], v),
-                stretch::<S, R>(simd, k(3), y.centre[south], v),
-            );
-            force_y[i] = R::add(simd, straight, R::add(simd, xy_y, yz_y));
-            let straight = R::add(
-                simd,
-                stretch::<S, R>(simd, k(4), z.centre[above], w),
-                stretch::<S, R>(simd, k(5), z.centre[below], w),
-            );
-            force_z[i] = R::add(simd, straight, R::add(simd, xz_z, yz_z));
+            let (yz_y, yz_z) = (add(rising, falling), sub(rising, falling));
+            let straight = add(mul(k(0), sub(x.east[at], u)), mul(k(1), sub(x.west[at], u)));
+            force_x[i] = add(straight, add(xy_x, xz_x));
+            let straight = add(mul(k(2), sub(y.centre[north], v)), mul(k(3), sub(y.centre[south], v)));
+            force_y[i] = add(straight, add(xy_y, yz_y));
+            let straight = add(mul(k(4), sub(z.centre[above], w)), mul(k(5), sub(z.centre[below], w)));
+            force_z[i] = add(straight, add(xz_z, yz_z));
         }
     }
 }

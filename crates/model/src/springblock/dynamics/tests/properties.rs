@@ -4,10 +4,10 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
 use super::super::contact::{ContactRow, ContactSums, LocalLaw};
-use super::super::engine::{Engine, Setup};
-use super::super::protocol::Protocol;
+use super::super::engine::Engine;
 use super::super::runge_kutta::RungeKutta;
 use super::super::strip_leapfrog::StripLeapfrog;
+use super::setup;
 use crate::springblock::tests::samples::coefficients;
 use crate::springblock::{Coefficients, Column, Lattice, Springs};
 
@@ -39,20 +39,15 @@ fn slide(
         .map(|&rows| if rows > 0 { Column::cavity(1.0, rows as f64) } else { Column::land(1.0) })
         .collect();
     let lattice = Lattice::new(columns, ROWS, periodic);
-    let setup = Setup {
-        contact: ContactRow::new(lattice.contacts(), coefficients, LocalLaw::new(None, 1.0)),
-        protocol: Protocol { ramp: 20.0, start: 40.0, load: 0.005 * lattice.length(), speed },
-        time_step: 0.2,
-        damping: 0.01,
-        liftoff: false,
-    };
-    if runge_kutta {
-        let mut engine = RungeKutta::new(&lattice, Springs::Exact, setup);
-        (0..STEPS).map(|_| engine.step()).collect()
+    let mut setup = setup(&lattice, 0.2, speed);
+    setup.contact = ContactRow::new(lattice.contacts(), coefficients, LocalLaw::new(None, 1.0));
+    setup.protocol.start = 40.0;
+    let mut engine: Box<dyn Engine> = if runge_kutta {
+        Box::new(RungeKutta::new(&lattice, Springs::Exact, setup))
     } else {
-        let mut engine = StripLeapfrog::new(&lattice, setup);
-        (0..STEPS).map(|_| engine.step()).collect()
-    }
+        Box::new(StripLeapfrog::new(&lattice, setup))
+    };
+    (0..STEPS).map(|_| engine.step()).collect()
 }
 
 /// Largest difference of the sums, with the friction of `b` times `sign`.

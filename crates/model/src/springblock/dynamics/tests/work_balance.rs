@@ -1,15 +1,11 @@
 //! The balance of work of the leapfrog closes with the friction that it reports.
 
-use crate::pattern::{Pattern, Planform};
-
 use super::super::bonds::Bonds;
-use super::super::contact::{ContactRow, LocalLaw};
-use super::super::engine::{Engine, Setup};
-use super::super::protocol::Protocol;
+use super::super::engine::Engine;
 use super::super::strip_leapfrog::StripLeapfrog;
 use super::work_account::{Account, Instant};
-use crate::springblock::tests::samples;
-use crate::springblock::{Lattice, Springs, columns};
+use super::{patterned, setup};
+use crate::springblock::{Lattice, Springs};
 
 fn state<'scope, 'a: 'scope>(engine: &StripLeapfrog<'scope, '_, 'a, f64>, lattice: &Lattice) -> [Vec<f64>; 2] {
     let (nx, ny) = (lattice.nx(), lattice.ny());
@@ -23,16 +19,12 @@ fn by_block([x, y]: &[Vec<f64>; 2]) -> Vec<[f64; 2]> {
 
 /// Error of the balance over the work of the drive.
 fn relative_error(time_step: f64, periodic: bool) -> f64 {
-    let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
-    let columns = if periodic { columns::cell(&pattern, 10e-6) } else { columns::sample(&pattern, 10e-6, 37) };
-    let lattice = Lattice::new(columns, 6, periodic);
+    let lattice = patterned(periodic);
     let (nx, blocks) = (lattice.nx(), lattice.nx() * lattice.ny());
     let mass: Vec<f64> = (0..blocks).map(|number| lattice.mass(number % nx, number / nx)).collect();
-    let coefficients = samples::coefficients(5, nx);
-    let protocol = Protocol { ramp: 0.0, start: 30.0, load: 0.005 * lattice.length(), speed: 1e-4 };
-    let damping = 0.01;
-    let contact = ContactRow::new(lattice.contacts(), &coefficients, LocalLaw::new(None, 1.0));
-    let setup = Setup { contact, protocol, time_step, damping, liftoff: false };
+    let mut setup = setup(&lattice, time_step, 1e-4);
+    (setup.protocol.ramp, setup.protocol.start) = (0.0, 30.0);
+    let (protocol, damping) = (setup.protocol, setup.damping);
     let mut engine = StripLeapfrog::new(&lattice, setup);
     let mut bonds = Bonds::new(&lattice, Springs::Linear);
 

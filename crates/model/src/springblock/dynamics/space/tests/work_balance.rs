@@ -1,32 +1,27 @@
 //! The balance of work of the leapfrog in space closes for any sliding direction.
 
-use crate::pattern::{Pattern, Planform};
+use crate::pattern::Planform;
 
-use super::super::super::contact::LocalLaw;
-use super::super::super::engine::Engine;
+use super::super::super::engine::{Engine, Setup};
 use super::super::super::protocol::Protocol;
 use super::super::bonds::SpaceBonds;
-use super::super::leapfrog::{SpaceLeapfrog, SpaceSetup};
+use super::super::leapfrog::SpaceLeapfrog;
+use super::{protocol, setup};
 use crate::springblock::SpaceLattice;
 use crate::springblock::dynamics::tests::work_account::{Account, Instant};
 use crate::springblock::tests::samples;
 
 /// Error of the balance over the work of the drive.
 fn relative_error(time_step: f64, direction: [f64; 2]) -> f64 {
-    let pattern = Pattern::new(Planform::Square, 30e-6, 50e-6, 20e-6).unwrap();
-    let lattice = SpaceLattice::cell(&pattern, 10e-6, 5);
+    let lattice = SpaceLattice::cell(&samples::pattern(Planform::Square, 30.0, 50.0, 20.0), 10e-6, 5);
     let ([nx, ny], rows) = (lattice.columns(), lattice.rows());
     let blocks = nx * ny * rows;
     let coefficients = samples::coefficients(5, nx * ny);
-    let protocol = Protocol { ramp: 0.0, start: 30.0, load: 0.005 * (nx * ny) as f64, speed: 1e-4 };
-    let damping = 0.01;
-    let law = LocalLaw::new(None, 1.0);
-    let setup =
-        SpaceSetup { coefficients: &coefficients, law, protocol, direction, time_step, damping, liftoff: false };
+    let protocol = Protocol { ramp: 0.0, start: 30.0, ..protocol(&lattice, 1e-4) };
+    let setup = Setup { time_step, ..setup(&lattice, &coefficients, protocol, direction) };
+    let damping = setup.damping;
     let mut engine = SpaceLeapfrog::new(&lattice, setup);
     let bonds = SpaceBonds::new(&lattice);
-    let contacts: Vec<usize> =
-        (0..nx * ny).filter(|column| lattice.contact_share(column % nx, column / nx) > 0.0).collect();
     let state = |engine: &SpaceLeapfrog<f64>| -> Vec<[f64; 3]> {
         (0..blocks).map(|n| engine.displacement([n % nx, n / nx % ny, n / (nx * ny)])).collect()
     };
@@ -43,8 +38,8 @@ fn relative_error(time_step: f64, direction: [f64; 2]) -> f64 {
         // The bulk moves vertically by the load, so the drive has no vertical force.
         let (bulk, drive) = (u[blocks], [-force[blocks][0], -force[blocks][1], 0.0]);
         engine.step();
-        let friction = contacts.iter().zip(engine.contact().vectors());
-        let friction = friction.map(|(&column, (_, [x, y]))| (column, [x, y, 0.0])).collect();
+        let friction = lattice.contacts().zip(engine.contact().vectors());
+        let friction = friction.map(|(column, (_, [x, y]))| (column, [x, y, 0.0])).collect();
         u.truncate(blocks);
         account.add(Instant { u, bulk, potential, drive, friction }, &state(&engine));
     }
