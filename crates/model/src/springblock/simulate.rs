@@ -233,14 +233,14 @@ enum Steady {
     /// Cell over the whole thickness of the specimen.
     Thick(ThickModel),
     /// Cell whose face has height variations.
-    Raised(Lattice, RaisedModel),
+    Raised(RaisedModel),
 }
 
 impl Steady {
     fn new(scene: &Scene, lattice: Lattice) -> Self {
         let (block_m, stiffness, liftoff) = (scene.layer.block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff);
         if let Some(model) = raised_model(&lattice, block_m, scene.elastic) {
-            Self::Raised(lattice, model)
+            Self::Raised(model)
         } else if lattice.ny() > scene.layer.rows() {
             Self::Thick(ThickModel::new(lattice, block_m, stiffness, liftoff))
         } else {
@@ -248,19 +248,11 @@ impl Steady {
         }
     }
 
-    const fn lattice(&self) -> &Lattice {
-        match self {
-            Self::Blocks(model) => model.lattice(),
-            Self::Thick(model) => model.lattice(),
-            Self::Raised(lattice, _) => lattice,
-        }
-    }
-
     fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {
         match self {
             Self::Blocks(model) => model.solve(load),
             Self::Thick(model) => model.solve(load),
-            Self::Raised(_, model) => model.solve(load, &mut FaceHistory::default()),
+            Self::Raised(model) => model.solve(load, &mut FaceHistory::default()),
         }
     }
 }
@@ -279,6 +271,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
             Lattice::new(own, scene.layer.thick_rows(), true)
         }
     };
+    let (columns, is_plain, flat_columns) = (own.nx(), own.is_plain(), flat.as_ref().map_or(0, Vec::len));
     let (own, flat) = rayon::join(|| Steady::new(scene, own), || flat.map(|c| Steady::new(scene, lattice(scene, c))));
     let share = 1.0 / scene.loads.len() as f64;
     let solve = |load: &Load, columns: usize, by: &mut dyn FnMut(&SteadyLoad) -> SurfaceOutcome| {
@@ -288,10 +281,10 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
     };
     // Points that one load has flattened remain flat for the next load, so loads are solved in sequence.
     let in_turn: Option<Vec<SurfaceOutcome>> = match &own {
-        Steady::Raised(lattice, model) => {
+        Steady::Raised(model) => {
             let mut history = FaceHistory::default();
             let mut by = |load: &SteadyLoad| model.solve(load, &mut history);
-            Some(scene.loads.iter().map(|load| solve(load, lattice.nx(), &mut by)).collect())
+            Some(scene.loads.iter().map(|load| solve(load, columns, &mut by)).collect())
         }
         Steady::Blocks(_) | Steady::Thick(_) => None,
     };
@@ -300,9 +293,9 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
         .par_iter()
         .enumerate()
         .map(|(number, load)| {
-            let alone = |model: &Steady| solve(load, model.lattice().nx(), &mut |load| model.solve(load));
-            let surface = in_turn.as_ref().map_or_else(|| alone(&own), |all| all[number].clone());
-            let outcome = compare(load, surface, flat.as_ref().map(alone));
+            let alone = |model: &Steady, columns| solve(load, columns, &mut |load| model.solve(load));
+            let surface = in_turn.as_ref().map_or_else(|| alone(&own, columns), |all| all[number].clone());
+            let outcome = compare(load, surface, flat.as_ref().map(|flat| alone(flat, flat_columns)));
             monitor.advance(share);
             outcome
         })
@@ -321,7 +314,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
             "mu above 1: this equilibrium is unstable, as steady sliding of an elastic body on a rigid plane is",
         );
     }
-    if !own.lattice().is_plain() {
+    if !is_plain {
         statements.method(match scene.run.extent {
             Extent::Cell => STRETCHED_CELL,
             Extent::Sample | Extent::Strip => {

@@ -14,6 +14,8 @@
 
 use multiversion::multiversion;
 
+use crate::springblock::steady::dense::{self, LANES, total};
+
 /// Search directions of a linear operator, their images, and the normal forces that depend on them linearly.
 #[derive(Clone, Debug, Default)]
 pub struct Directions {
@@ -147,13 +149,6 @@ fn subtract_four(a: &mut [f64], shares: [f64; BATCH], b: [&[f64]; BATCH]) {
     }
 }
 
-/// Number of partial sums of a product, in a fixed order that does not depend on the vector width.
-const LANES: usize = 8;
-
-fn total(sums: &[f64; LANES]) -> f64 {
-    ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
-}
-
 /// Scalar product of each of `a` with `b`, identical to that of [`dot`].
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn dot_four(a: [&[f64]; BATCH], b: &[f64]) -> [f64; BATCH] {
@@ -178,15 +173,7 @@ fn dot_four(a: [&[f64]; BATCH], b: &[f64]) -> [f64; BATCH] {
 /// Scalar product of `a` and `b`.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a_chunks.zip(b_chunks) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    total(&sums) + rest
+    dense::dot(a, b)
 }
 
 /// Euclidean norm of `a`.

@@ -1,5 +1,7 @@
 //! Anderson acceleration of a fixed-point iteration x <- g(x) (D. G. Anderson, J. ACM 12, 547, 1965).
 
+use slipgrid_base::statistics::cholesky::dot;
+
 /// Number of stored steps. More steps take memory and worsen the conditioning, fewer steps need more iterations; 3 to 8
 /// perform alike here.
 const DEPTH: usize = 6;
@@ -15,13 +17,12 @@ pub struct Anderson {
     residual_steps: Vec<Vec<f64>>,
     last: Option<(Vec<f64>, Vec<f64>)>,
     last_norm: f64,
-    size: usize,
 }
 
 impl Anderson {
-    /// Creates an empty memory for vectors of `size` components.
-    pub fn new(size: usize) -> Self {
-        Self { steps: Vec::new(), residual_steps: Vec::new(), last: None, last_norm: f64::INFINITY, size }
+    /// Creates an empty memory.
+    pub const fn new() -> Self {
+        Self { steps: Vec::new(), residual_steps: Vec::new(), last: None, last_norm: f64::INFINITY }
     }
 
     /// Replaces `x` by the next iterate, given `image` = g(x).
@@ -44,7 +45,7 @@ impl Anderson {
 
         // x+ = x + r - (dX + dR) gamma, where gamma minimizes |r - dR gamma|
         let gamma = self.least_squares(&residual);
-        for i in 0..self.size {
+        for i in 0..x.len() {
             let correction: f64 =
                 gamma.iter().enumerate().map(|(m, g)| g * (self.steps[m][i] + self.residual_steps[m][i])).sum();
             x[i] += residual[i] - correction;
@@ -88,10 +89,6 @@ impl Anderson {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
@@ -105,7 +102,7 @@ mod tests {
         // g(x) = M x + c with a spectral radius above one, so that plain iteration would diverge.
         let map = |x: &[f64]| vec![0.9 * x[0] - 0.5 * x[1] + 1.0, 0.8 * x[0] - 1.2 * x[1] + 0.5, 0.3 * x[2] - 2.0];
         let mut x = vec![0.0; 3];
-        let mut mixer = Anderson::new(3);
+        let mut mixer = Anderson::new();
         for _ in 0..6 {
             let image = map(&x);
             mixer.step(&mut x, &image);

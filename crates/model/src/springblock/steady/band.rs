@@ -5,6 +5,8 @@
 
 use multiversion::multiversion;
 
+use super::dense::{LANES, dot, total};
+
 /// Upper half of a symmetric band matrix A: row r holds A[r][r..=r + half_bandwidth].
 #[derive(Clone, Debug)]
 pub struct BandMatrix {
@@ -98,9 +100,6 @@ fn eliminate(rows: &mut [f64], order: usize, half_bandwidth: usize) -> bool {
     true
 }
 
-/// Number of partial sums in a fixed order, so that the result does not depend on the vector width.
-const LANES: usize = 8;
-
 /// Solves by forward and backward substitution; `x` holds the right-hand side on entry.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn substitute(rows: &[f64], half_bandwidth: usize, x: &mut [f64]) {
@@ -119,17 +118,7 @@ fn substitute(rows: &[f64], half_bandwidth: usize, x: &mut [f64]) {
     for k in (0..order).rev() {
         let reach = half_bandwidth.min(order - 1 - k);
         let row = &rows[k * stride + 1..k * stride + 1 + reach];
-        let known = &x[k + 1..=k + reach];
-        let mut sums = [0.0; LANES];
-        let (row_chunks, known_chunks) = (row.chunks_exact(LANES), known.chunks_exact(LANES));
-        let rest: f64 = row_chunks.remainder().iter().zip(known_chunks.remainder()).map(|(u, v)| u * v).sum();
-        for (u, v) in row_chunks.zip(known_chunks) {
-            for lane in 0..LANES {
-                sums[lane] += u[lane] * v[lane];
-            }
-        }
-        let total = ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest;
-        x[k] = x[k] * rows[k * stride] - total;
+        x[k] = x[k] * rows[k * stride] - dot(row, &x[k + 1..=k + reach]);
     }
 }
 
@@ -169,9 +158,8 @@ fn substitute_batch(rows: &[f64], half_bandwidth: usize, x: &mut [[f64; BATCH]])
             }
         }
         for side in 0..BATCH {
-            let sum = |lane: usize| sums[lane][side];
-            let total = ((sum(0) + sum(4)) + (sum(1) + sum(5))) + ((sum(2) + sum(6)) + (sum(3) + sum(7))) + rest[side];
-            x[k][side] = x[k][side] * rows[k * stride] - total;
+            let product = total(&sums.map(|sum| sum[side])) + rest[side];
+            x[k][side] = x[k][side] * rows[k * stride] - product;
         }
     }
 }

@@ -16,6 +16,8 @@
 
 use std::sync::Arc;
 
+use slipgrid_base::statistics::cholesky::dot;
+
 use self::equations::Equations;
 use super::dense::subtract_products;
 use super::system::{Contact, band_products};
@@ -202,10 +204,6 @@ impl CondensedModel {
         });
         heights.reduce(f64::min)
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 mod cell_cache;

@@ -83,6 +83,29 @@ pub fn elongation(target: &mut [f64], e: [f64; 2], [ax, az]: [&[f64]; 2], [bx, b
     }
 }
 
+/// Number of partial sums of a product, in a fixed order that does not depend on the vector width.
+pub const LANES: usize = 8;
+
+/// Sum of the partial sums `sums`, in a fixed order.
+#[inline(always)]
+pub fn total(sums: &[f64; LANES]) -> f64 {
+    ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
+}
+
+/// Scalar product of `a` and `b`, compiled for the vectors of its caller.
+#[inline(always)]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a_chunks.zip(b_chunks) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    total(&sums) + rest
+}
+
 #[inline(always)]
 fn subtract_rows(target: &mut [f64], factors: &[f64], rows: &[f64], width: usize, skip: usize) {
     let length = target.len();

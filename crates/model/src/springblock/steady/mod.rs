@@ -25,7 +25,7 @@
 mod anderson;
 mod band;
 mod condensed;
-mod dense;
+pub(super) mod dense;
 mod flat_layer;
 mod newton;
 mod raised;
@@ -346,7 +346,7 @@ impl<'a> Iteration<'a> {
         Self {
             load,
             friction: contacts.iter().map(share).collect(),
-            mixer: Anderson::new(contacts.len()),
+            mixer: Anderson::new(),
             displacement: vec![0.0; system.order()],
             normal: vec![0.0; contacts.len()],
             image: vec![0.0; contacts.len()],

@@ -191,7 +191,16 @@ fn solve_dense(matrix: &mut [f64], right: &mut [f64]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::SteadyModel;
     use super::*;
+    use crate::material::AreaLaw;
+    use crate::springblock::tests::samples::{E_PA, groove};
+    use crate::springblock::{Lattice, Status, columns};
+
+    fn cell(width_um: f64, land_um: f64, depth_um: f64) -> SteadyModel {
+        let columns = columns::cell(&groove(width_um, land_um, depth_um), 10e-6);
+        SteadyModel::new(Lattice::new(columns, 20, true), 10e-6, E_PA, false)
+    }
 
     #[test]
     fn a_dense_system_with_a_vanishing_first_pivot_is_solved() {
@@ -223,14 +232,8 @@ mod tests {
 
     #[test]
     fn an_equilibrium_is_found_wherever_there_is_one() {
-        use crate::pattern::{Pattern, Planform};
-        use crate::springblock::columns::cell;
-        use crate::springblock::lattice::Lattice;
-        use crate::springblock::outcome::Status;
-        for (land, depth) in [(40e-6, 120e-6), (40e-6, 60e-6), (60e-6, 150e-6), (80e-6, 100e-6)] {
-            let pattern = Pattern::new(Planform::Groove, 100e-6, land, depth).unwrap();
-            let model =
-                super::super::SteadyModel::new(Lattice::new(cell(&pattern, 10e-6), 20, true), 10e-6, 0.38e9, false);
+        for (land, depth) in [(40.0, 120.0), (40.0, 60.0), (60.0, 150.0), (80.0, 100.0)] {
+            let model = cell(100.0, land, depth);
             for tenths in 1..16 {
                 let mu = 0.1 * f64::from(tenths);
                 let dynamic_mu = vec![mu; model.lattice().nx()];
@@ -244,14 +247,7 @@ mod tests {
 
     #[test]
     fn steep_and_stepped_laws_are_solved() {
-        use crate::material::AreaLaw;
-        use crate::pattern::{Pattern, Planform};
-        use crate::springblock::columns::cell;
-        use crate::springblock::lattice::Lattice;
-        use crate::springblock::outcome::Status;
-        let pattern = Pattern::new(Planform::Groove, 60e-6, 60e-6, 50e-6).unwrap();
-        let lattice = Lattice::new(cell(&pattern, 10e-6), 20, true);
-        let model = super::super::SteadyModel::new(lattice, 10e-6, 0.38e9, false);
+        let model = cell(60.0, 60.0, 50.0);
         let mut rescued = 0;
         for mu in [0.1, 0.27, 0.5, 0.7, 1.0] {
             for (width, after) in [(1e-1, 0.0), (1e-2, 0.3), (1e-3, 0.8), (1e-5, 0.0), (1e-5, 2.0)] {

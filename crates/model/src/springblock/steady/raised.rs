@@ -16,7 +16,7 @@
 //! less effect at larger loads.
 
 use super::condensed::CondensedModel;
-use super::dense::solve_many;
+use super::dense::{add_times, solve_many};
 use super::newton::{friction_at, friction_slope};
 use super::{Equilibrium, SteadyLoad, TOLERANCE, displacement_unit, unloaded};
 use crate::material::Elastic;
@@ -182,8 +182,8 @@ impl Contacts<'_> {
         let (by_friction, by_height) = response.influence.split_at(m * m);
         for c in 0..m {
             let friction = friction_at(response, self.load, c, state.normal[c]);
-            add(&mut residual, friction, &by_friction[c * m..][..m]);
-            add(&mut residual, state.height[c], &by_height[c * m..][..m]);
+            add_times(&mut residual, friction, &by_friction[c * m..][..m]);
+            add_times(&mut residual, state.height[c], &by_height[c * m..][..m]);
         }
         residual
     }
@@ -255,10 +255,6 @@ impl Contacts<'_> {
         }
         !moved.is_empty()
     }
-}
-
-fn add(target: &mut [f64], factor: f64, values: &[f64]) {
-    target.iter_mut().zip(values).for_each(|(target, value)| *target += factor * value);
 }
 
 fn size(residual: &[f64]) -> f64 {

@@ -95,10 +95,11 @@ impl System {
         let position = column_order(nx, lattice.is_periodic());
         let order = 2 * nx * rows;
 
+        let contacts = contacts(lattice, lifted, |i| 2 * position[i] * rows);
         let mut system = Self {
             rows,
             position,
-            contacts: Vec::new(),
+            contacts,
             supports: Vec::new(),
             factor: None,
             load: lattice.length(),
@@ -107,7 +108,6 @@ impl System {
             bulk_stiffness: 0.0,
             relief: None,
         };
-        system.list_contacts(lattice, lifted);
         let mut contact_at = vec![None; nx];
         for (number, contact) in system.contacts.iter().enumerate() {
             contact_at[contact.column] = Some(number);
@@ -175,13 +175,6 @@ impl System {
         relief
     }
 
-    fn list_contacts(&mut self, lattice: &Lattice, lifted: &[usize]) {
-        self.contacts = contacts(lattice, |i| self.dof(i, 0));
-        for contact in &mut self.contacts {
-            contact.lifted = lifted.contains(&contact.column);
-        }
-    }
-
     fn add_bond(
         &mut self,
         bond: &Bond,
@@ -238,24 +231,6 @@ impl System {
         self.bulk_stiffness - give
     }
 
-    /// Horizontal force of the bulk's springs on the layer at the displacements `displacement`.
-    #[cfg(test)]
-    pub fn bulk_horizontal_force(&self, lattice: &Lattice, displacement: &[f64]) -> f64 {
-        let pull: f64 = self.coupling.iter().zip(displacement).map(|(b, u)| b * u).sum();
-        let height = (pull - self.load) / self.bulk_stiffness;
-        let mut force = 0.0;
-        lattice.for_each_bond(|bond| {
-            if bond.b.is_none() {
-                let [kxx, kxy, _] = bond.linear();
-                let a = self.dof(bond.a.0, bond.a.1);
-                force += kxx * (0.0 - displacement[a]) + kxy * (height - displacement[a + 1]);
-            }
-        });
-        force
-    }
-}
-
-impl System {
     /// Like [`LinearResponse::respond`], on a face whose heights, in lattice spacings, are multiplied by `scale`.
     fn respond_raised(&self, scale: f64, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
         displacement.fill(0.0);
@@ -362,9 +337,9 @@ impl LinearResponse for Raised<'_> {
     }
 }
 
-/// Contact blocks of `lattice`, left to right; `dof` returns the index of the horizontal unknown of the contact in a
-/// column.
-pub fn contacts(lattice: &Lattice, dof: impl Fn(usize) -> usize) -> Vec<Contact> {
+/// Contact blocks of `lattice`, left to right, with those of the columns `lifted` off the counterface; `dof` returns the
+/// index of the horizontal unknown of the contact in a column.
+pub fn contacts(lattice: &Lattice, lifted: &[usize], dof: impl Fn(usize) -> usize) -> Vec<Contact> {
     let mut contacts = Vec::new();
     let mut left = 0.0;
     for (i, column) in lattice.columns().iter().enumerate() {
@@ -375,7 +350,7 @@ pub fn contacts(lattice: &Lattice, dof: impl Fn(usize) -> usize) -> Vec<Contact>
                 width: share * column.width,
                 centre: left + 0.5 * column.width,
                 dof: dof(i),
-                lifted: false,
+                lifted: lifted.contains(&i),
                 tie: (share < 1.0).then(|| tie(share, lattice.presence(i, 0))),
             });
         }

@@ -29,11 +29,6 @@ impl ThickModel {
         Self { lattice, block_m, youngs_modulus_pa, liftoff, condensed }
     }
 
-    /// Lattice with as many rows as the specimen is thick.
-    pub const fn lattice(&self) -> &Lattice {
-        &self.lattice
-    }
-
     /// Solves steady sliding under `load`.
     pub fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {
         let Some(model) = &self.condensed else {

@@ -60,14 +60,7 @@ impl Equations {
         if !lattice.is_periodic() || explicit > lattice.ny() || lattice.columns().iter().any(|c| c.width != width) {
             return None;
         }
-        let mut contacts = contacts(lattice, |_| 0);
-        for contact in &mut contacts {
-            contact.lifted = lifted.contains(&contact.column);
-        }
-        Some(Self::new(lattice, explicit, contacts, raised))
-    }
-
-    fn new(lattice: &Lattice, explicit: usize, mut contacts: Vec<Contact>, raised: bool) -> Self {
+        let mut contacts = contacts(lattice, lifted, |_| 0);
         let nx = lattice.nx();
         let mut missing = Vec::new();
         let mut number = vec![NONE; explicit * nx];
@@ -133,7 +126,20 @@ impl Equations {
                 }
             }
         }
-        Self { nx, explicit, contacts, missing, number, blocks, unknown_at, unknowns, runs, height_at, tied_heights }
+        let of_layout = Self {
+            nx,
+            explicit,
+            contacts,
+            missing,
+            number,
+            blocks,
+            unknown_at,
+            unknowns,
+            runs,
+            height_at,
+            tied_heights,
+        };
+        Some(of_layout)
     }
 
     /// Number of multiplications and additions for condensing and for the iterations. The substitutions of the band

@@ -1,10 +1,8 @@
-use crate::material::AreaLaw;
-use crate::pattern::{Pattern, Planform};
-
 use super::super::SteadyModel;
 use super::*;
+use crate::material::AreaLaw;
 use crate::springblock::columns;
-use crate::springblock::tests::samples::{E_PA, groove, persson_law};
+use crate::springblock::tests::samples::{E_PA, groove, persson_law, uniform};
 
 fn lattice(width_um: f64, spacing_um: f64, depth_um: f64, rows: usize) -> Lattice {
     Lattice::new(columns::cell(&groove(width_um, spacing_um, depth_um), 10e-6), rows, true)
@@ -24,32 +22,29 @@ fn largest_difference(lattice: &Lattice) -> Option<f64> {
 }
 
 #[test]
-fn normal_forces_are_those_of_all_blocks() {
-    for (width, spacing, depth) in [
-        (130.0, 370.0, 20.0),
-        (130.0, 370.0, 14.0),
-        (130.0, 370.0, 4.0),
-        (133.0, 367.0, 20.0),
-        (133.3, 371.9, 14.0),
-        (133.3, 371.9, 3.0),
-        (60.0, 50.0, 120.0),
-        (61.0, 52.0, 118.0),
-        (20.0, 10.0, 10.0),
-        (30.0, 10.0, 2.0),
-        (10.0, 10.0, 5.0),
-        (17.0, 18.0, 13.0),
+fn normal_forces_are_those_of_all_blocks_of_thin_and_thick_layers() {
+    for (width, spacing, depth, rows) in [
+        (130.0, 370.0, 20.0, 20),
+        (130.0, 370.0, 14.0, 20),
+        (130.0, 370.0, 4.0, 20),
+        (133.0, 367.0, 20.0, 20),
+        (133.3, 371.9, 14.0, 20),
+        (133.3, 371.9, 3.0, 20),
+        (60.0, 50.0, 120.0, 20),
+        (61.0, 52.0, 118.0, 20),
+        (20.0, 10.0, 10.0, 20),
+        (30.0, 10.0, 2.0, 20),
+        (10.0, 10.0, 5.0, 20),
+        (17.0, 18.0, 13.0, 20),
+        (100.0, 140.0, 20.0, 90),
+        (133.3, 171.9, 14.0, 61),
+        (60.0, 50.0, 120.0, 80),
+        (20.0, 10.0, 10.0, 150),
+        (17.0, 18.0, 13.0, 100),
     ] {
-        let difference = largest_difference(&lattice(width, spacing, depth, 20)).unwrap();
-        assert!(difference < 1e-9, "{width} {spacing} {depth}: {difference:e}");
+        let difference = largest_difference(&lattice(width, spacing, depth, rows)).unwrap();
+        assert!(difference < 1e-9, "{width} {spacing} {depth} {rows}: {difference:e}");
     }
-}
-
-/// A fixed sequence of numbers in [0, 1).
-fn uniform(seed: u64) -> impl FnMut() -> f64 {
-    use rand_chacha::ChaCha8Rng;
-    use rand_chacha::rand_core::{RngCore, SeedableRng};
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    move || (generator.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// Maps `uniform` to a number between `low` and `high`, uniform in its logarithm.
@@ -127,8 +122,8 @@ fn what_it_cannot_do_is_left_to_all_blocks() {
     let model = |lattice: &Lattice| CondensedModel::new(lattice, 10e-6, E_PA, true);
     // A cavity up to the top row; a sample; more forces around the cavity than the band has columns.
     assert!(model(&lattice(130.0, 370.0, 191.0, 20)).is_none());
-    let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
-    assert!(model(&Lattice::new(columns::sample(&pattern, 10e-6, 200), 20, false)).is_none());
+    let sample = columns::sample(&groove(130.0, 370.0, 20.0), 10e-6, 200);
+    assert!(model(&Lattice::new(sample, 20, false)).is_none());
     assert!(model(&lattice(2003.0, 104.0, 17.0, 20)).is_none());
     // A land that tilts and may lift off the counterface.
     let tipping = lattice(100.0, 40.0, 120.0, 20);
@@ -140,33 +135,6 @@ fn what_it_cannot_do_is_left_to_all_blocks() {
     assert_eq!(held.status, Status::NotConverged);
     let unloaded = SteadyLoad { pressure_pa: 0.0, ..load };
     assert_eq!(model(&tipping).unwrap().solve(&unloaded).unwrap().status, Status::NoLoad);
-}
-
-#[test]
-fn a_flat_ring_is_uniform() {
-    for columns in [1, 2, 3, 10] {
-        let lattice = Lattice::new(columns::flat(columns), 20, true);
-        let law = persson_law();
-        let dynamic_mu = vec![0.27; columns];
-        let load = SteadyLoad { pressure_pa: 2.6e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
-        let outcome = CondensedModel::new(&lattice, 10e-6, E_PA, false).unwrap().solve(&load).unwrap();
-        assert!((outcome.mu_dynamic.unwrap() - 0.27 * law.factor(2.6e6)).abs() < 1e-12);
-        assert!(outcome.interface.iter().all(|point| (point.pressure_pa - 2.6e6).abs() < 1e-4));
-    }
-}
-
-#[test]
-fn a_thick_layer_is_that_of_all_blocks() {
-    for (width, spacing, depth, rows) in [
-        (100.0, 140.0, 20.0, 90),
-        (133.3, 171.9, 14.0, 61),
-        (60.0, 50.0, 120.0, 80),
-        (20.0, 10.0, 10.0, 150),
-        (17.0, 18.0, 13.0, 100),
-    ] {
-        let difference = largest_difference(&lattice(width, spacing, depth, rows)).unwrap();
-        assert!(difference < 1e-9, "{width} {spacing} {depth} {rows}: {difference:e}");
-    }
 }
 
 /// Normal forces under uniform friction from the condensed model of a layer of `rows` rows.

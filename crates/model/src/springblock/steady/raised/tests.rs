@@ -1,22 +1,16 @@
 use std::f64::consts::PI;
 
 use crate::material::AreaLaw;
-use crate::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
+use crate::pattern::{Pattern, Planform, RimProfile};
 
 use super::super::{CondensedModel, SteadyModel};
 use super::*;
-use crate::springblock::tests::samples::{E_PA, persson_law};
+use crate::springblock::tests::samples::{self, E_PA, elastic, persson_law, uniform};
 use crate::springblock::{Column, columns};
 
-fn elastic(youngs_modulus_pa: f64) -> Elastic {
-    Elastic::new(youngs_modulus_pa, 900.0).unwrap()
-}
-
 /// Grooves with rims of the given sizes in micrometres.
-fn rimmed([width, spacing, depth]: [f64; 3], height_um: f64, rim_um: f64, profile: RimProfile) -> Pattern {
-    let rim = Rim::new(height_um * 1e-6, rim_um * 1e-6, profile).unwrap();
-    let texture = Texture::new(Planform::Groove).with_rim(rim);
-    Pattern::new(texture, width * 1e-6, spacing * 1e-6, depth * 1e-6).unwrap()
+fn rimmed(sizes: [f64; 3], height_um: f64, rim_um: f64, profile: RimProfile) -> Pattern {
+    samples::rimmed(Planform::Groove, sizes, height_um, rim_um, profile)
 }
 
 fn lattice(pattern: &Pattern) -> Lattice {
@@ -31,7 +25,7 @@ fn face(rows: usize, heights_um: impl Iterator<Item = f64>) -> Lattice {
 fn raised(lattice: &Lattice, pressure_mpa: f64, mu: f64, law: Option<&AreaLaw>) -> SurfaceOutcome {
     let dynamic_mu = vec![mu; lattice.nx()];
     let load = SteadyLoad { pressure_pa: pressure_mpa * 1e6, dynamic_mu: &dynamic_mu, area_law: law };
-    RaisedModel::new(lattice, 10e-6, elastic(E_PA)).unwrap().solve(&load, &mut FaceHistory::default())
+    RaisedModel::new(lattice, 10e-6, elastic()).unwrap().solve(&load, &mut FaceHistory::default())
 }
 
 fn all_blocks(lattice: &Lattice, pressure_mpa: f64, mu: f64, law: Option<&AreaLaw>) -> SurfaceOutcome {
@@ -77,10 +71,7 @@ fn rims_are_solved_as_all_blocks_say() {
 
 #[test]
 fn rough_faces_are_solved_as_all_blocks_say_and_touch_only_where_they_reach() {
-    use rand_chacha::ChaCha8Rng;
-    use rand_chacha::rand_core::{RngCore, SeedableRng};
-    let mut generator = ChaCha8Rng::seed_from_u64(7);
-    let mut uniform = || (generator.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    let mut uniform = uniform(7);
     let law = persson_law();
     let mut off = 0;
     for round in 0..60 {
@@ -267,7 +258,7 @@ fn the_prototype_s_ratios_are_found() {
         let pattern =
             rimmed([130.0, 370.0, 5.2], height / crate::springblock::rims::PLANE_STRAIN, 10.0, RimProfile::Flat);
         let lattice = Lattice::new(columns::cell(&pattern, 2.5e-6), 80, true);
-        let model = RaisedModel::new(&lattice, 2.5e-6, elastic(E_PA)).unwrap();
+        let model = RaisedModel::new(&lattice, 2.5e-6, elastic()).unwrap();
         let dynamic_mu = vec![0.27; lattice.nx()];
         for (pressure_mpa, expected) in [0.65, 1.3, 1.95, 2.6].into_iter().zip(expected) {
             let load = SteadyLoad { pressure_pa: pressure_mpa * 1e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
@@ -289,7 +280,7 @@ fn what_yields_bears_the_yield_pressure_and_stays_flat() {
         area_law: Some(&law),
     };
     let model = |yield_mpa: Option<f64>| {
-        let solid = elastic(E_PA).with_yield_pressure_pa(yield_mpa.map(|mpa| mpa * 1e6)).unwrap();
+        let solid = elastic().with_yield_pressure_pa(yield_mpa.map(|mpa| mpa * 1e6)).unwrap();
         RaisedModel::new(&lattice, 10e-6, solid).unwrap()
     };
     let elastic_peak = model(None).solve(&load(2.6), &mut FaceHistory::default()).peak_pressure_pa;
