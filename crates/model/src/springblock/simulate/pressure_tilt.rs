@@ -423,9 +423,7 @@ mod tests {
             let change = change.unwrap();
             assert_eq!(correction(load), Some((mean * change, Some(std * change.abs()))));
         }
-        assert!(
-            plain.statements.model.iter().any(|statements| statements.contains("half of the change is in the ratio"))
-        );
+        assert!(samples::says(&plain, "half of the change is in the ratio"));
         let held = |holder: Holder| {
             let layer = Layer { holder: Some(holder), ..scene.layer };
             crate::springblock::simulate(&Scene { layer, ..scene.clone() }, &Unwatched).unwrap()
@@ -437,12 +435,8 @@ mod tests {
             assert!((half - none - 0.5 * change).abs() < 1e-12 && (all - none - change).abs() < 1e-12 && change != 0.0);
             assert_eq!((correction(rigid), correction(aligned)), (Some((change, Some(0.3 * change.abs()))), None));
         }
-        let is_told =
-            |simulation: &Simulation, words: &str| simulation.statements.model.iter().any(|of| of.contains(words));
-        assert!(
-            is_told(&rigid, "all of the change is in the ratio, known to 30 %")
-                && !is_told(&aligned, "cannot turn in its holder")
-        );
+        assert!(samples::says(&rigid, "all of the change is in the ratio, known to 30 %"));
+        assert!(!samples::says(&aligned, "cannot turn in its holder"));
         // Friction coefficients independent of pressure are not affected.
         let amontons = Scene { area_law: None, ..scene };
         let tilt = PressureTilt::for_sample(&amontons, &pattern, &Unwatched);

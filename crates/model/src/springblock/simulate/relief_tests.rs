@@ -4,7 +4,7 @@ use crate::pattern::{Pattern, Planform, ReliefMap, Rim, RimProfile, Texture};
 
 use super::simulate;
 use crate::springblock::tests::samples;
-use crate::springblock::{Extent, Face, RunOptions, Scene, SceneError, Strip, Unwatched, simulate_specimen};
+use crate::springblock::{Extent, RunOptions, Scene, SceneError, Strip, Unwatched, simulate_specimen};
 
 /// A scene of cavities with rims, and a scene without rims whose relief map in pixels of 1 um contains the rims.
 fn both(planform: Planform) -> [Scene; 2] {
@@ -31,7 +31,7 @@ fn a_measured_relief_of_rims_gives_the_ratios_of_the_rims() {
         let ratios = both(planform).map(|mut scene| {
             scene.run.extent = extent;
             scene.layer.length_m = 1500e-6;
-            simulate(&scene, &Unwatched).unwrap().loads.iter().map(|load| load.ratio().unwrap()).collect::<Vec<_>>()
+            samples::ratios(&simulate(&scene, &Unwatched).unwrap())
         });
         for (a, b) in ratios[0].iter().zip(&ratios[1]) {
             assert!((a - b).abs() < 1e-5 && *a < 0.9, "{planform} {a} {b}");
@@ -43,15 +43,9 @@ fn a_measured_relief_of_rims_gives_the_ratios_of_the_rims() {
 fn a_specimen_takes_a_measured_relief_as_it_takes_rims() {
     let cavities_m = (0..10).map(|m| [60e-6, 140e-6].map(|at_m| at_m + 200e-6 * f64::from(m))).collect();
     let strip = Strip { width_m: 1e-3, length_m: 2000e-6, cavities_m, band: 0 };
-    let face = Face::new(vec![strip], 0.4).unwrap();
-    let ratios = both(Planform::Groove).map(|scene| {
-        simulate_specimen(&scene, &face, &Unwatched)
-            .unwrap()
-            .loads
-            .iter()
-            .map(|load| load.ratio().unwrap())
-            .collect::<Vec<_>>()
-    });
+    let face = samples::face(vec![strip]);
+    let ratios =
+        both(Planform::Groove).map(|scene| samples::ratios(&simulate_specimen(&scene, &face, &Unwatched).unwrap()));
     for (a, b) in ratios[0].iter().zip(&ratios[1]) {
         assert!((a - b).abs() < 1e-5 && *a < 0.9, "{a} {b}");
     }

@@ -19,12 +19,6 @@ use crate::springblock::{
 /// different weight (`rims_add_to_a_strip_what_they_add_to_the_cell`).
 const RELATIVE_ERROR: f64 = 0.02;
 
-/// Differences between steady cells with and without rims, or with and without yielding of rims, by load; empty without
-/// rims.
-pub struct RimDifference {
-    each: Vec<Option<CellDifference>>,
-}
-
 /// Difference of the results of two steady cells under one load, the first minus the second.
 #[derive(Clone, Copy, Debug)]
 pub struct CellDifference {
@@ -71,40 +65,37 @@ pub fn without_rim(pattern: &Pattern) -> Pattern {
     pattern.with_rim(None)
 }
 
-impl RimDifference {
-    /// Computes the differences for the cell of `scene` with `pattern`; empty without rims.
-    pub fn new(scene: &Scene, pattern: &Pattern) -> Self {
-        if !scene.is_raised() {
-            return Self { each: Vec::new() };
-        }
-        let solve =
-            |scene: &Scene, pattern: &Pattern| SteadyCell::with_dimension(scene, Dimension::Plane).solve(pattern);
-        let flat = Scene { relief: None, ..scene.clone() };
-        let (with, without) = rayon::join(|| solve(scene, pattern), || solve(&flat, &without_rim(pattern)));
-        Self { each: CellDifference::of_loads(&with, &without) }
+/// Differences between the steady cells of `scene` with and without the rims of `pattern`, by load; empty without rims.
+pub fn of_rims(scene: &Scene, pattern: &Pattern) -> Vec<Option<CellDifference>> {
+    if !scene.is_raised() {
+        return Vec::new();
     }
+    let solve = |scene: &Scene, pattern: &Pattern| SteadyCell::with_dimension(scene, Dimension::Plane).solve(pattern);
+    let flat = Scene { relief: None, ..scene.clone() };
+    let (with, without) = rayon::join(|| solve(scene, pattern), || solve(&flat, &without_rim(pattern)));
+    CellDifference::of_loads(&with, &without)
+}
 
-    /// Adds the differences to `loads`, whose cavity fraction is `share` times that of a period; a load without a
-    /// difference loses its ratio.
-    pub fn add(&self, share: f64, loads: &mut [LoadOutcome]) {
-        for (load, difference) in loads.iter_mut().zip(&self.each) {
-            let Some(difference) = difference else {
-                load.remove_ratio();
-                continue;
-            };
-            let change = difference.ratio * share;
-            load.correct(Effect::Rims, change, RELATIVE_ERROR * change.abs());
-            difference.add_to(&mut load.surface);
-        }
+/// Adds `differences` of steady cells to `loads`, whose cavity fraction is `share` times that of a period; a load
+/// without a difference loses its ratio.
+pub fn add(differences: &[Option<CellDifference>], share: f64, loads: &mut [LoadOutcome]) {
+    for (load, difference) in loads.iter_mut().zip(differences) {
+        let Some(difference) = difference else {
+            load.remove_ratio();
+            continue;
+        };
+        let change = difference.ratio * share;
+        load.correct(Effect::Rims, change, RELATIVE_ERROR * change.abs());
+        difference.add_to(&mut load.surface);
     }
+}
 
-    /// Sentence on the effect of rims on strips, for the statements of a simulation.
-    pub fn statement() -> String {
-        format!(
-            "rims add to the strips what they add to the steady cell, known to {:.0} %; the interface is that of the cavities alone",
-            100.0 * RELATIVE_ERROR
-        )
-    }
+/// Sentence on the effect of rims on strips, for the statements of a simulation.
+pub fn statement() -> String {
+    format!(
+        "rims add to the strips what they add to the steady cell, known to {:.0} %; the interface is that of the cavities alone",
+        100.0 * RELATIVE_ERROR
+    )
 }
 
 /// Adds the effect of plastic yielding on the steady cell to `loads` of a sample or of a dynamic run, whose rims are
@@ -130,7 +121,7 @@ pub fn add_yielding(
     let solve = |scene: &Scene| SteadyCell::with_dimension(scene, scene.dimension()).solve(pattern);
     let rigid = Scene { elastic, ..scene.clone() };
     let (with, without) = rayon::join(|| solve(scene), || solve(&rigid));
-    RimDifference { each: CellDifference::of_loads(&with, &without) }.add(share, loads);
+    add(&CellDifference::of_loads(&with, &without), share, loads);
     statements
         .model(format!("{yields}: by what that changes of the steady cell, known to {:.0} %", 100.0 * RELATIVE_ERROR));
 }
@@ -176,7 +167,7 @@ mod tests {
             let rim = Rim::new(height * 1e-6, 20e-6, RimProfile::Round).unwrap();
             let pattern = samples::groove(width, spacing, depth).with_rim(rim);
             let scene = samples::scene(pattern, &[0.65, 2.6], RunOptions::default());
-            let difference = RimDifference::new(&scene, &pattern);
+            let differences = of_rims(&scene, &pattern);
             let law = samples::persson_law();
             let flat = sample(&without_rim(&pattern), 10e-6, 500);
             let share = flat.iter().map(|c| c.coverage).sum::<f64>() / 500.0 / pattern.section_density();
@@ -188,7 +179,7 @@ mod tests {
                 assert_eq!(outcome.status, Status::Converged);
                 outcome.mu_dynamic.unwrap() / (0.27 * law.factor(pressure_pa))
             };
-            for (load, difference) in scene.loads.iter().zip(&difference.each) {
+            for (load, difference) in scene.loads.iter().zip(&differences) {
                 let found = difference.as_ref().unwrap().ratio * share;
                 let expected = solve(with_relief(flat.clone(), &pattern, 10e-6, None), load.pressure_pa)
                     - solve(flat.clone(), load.pressure_pa);

@@ -297,14 +297,13 @@ mod tests {
     use super::*;
     use crate::springblock::Unwatched;
     use crate::springblock::simulate;
-    use crate::springblock::tests::samples;
-    use crate::springblock::{Fidelity, Layer, Load, RunOptions};
+    use crate::springblock::tests::samples::{self, pattern, says};
+    use crate::springblock::{Fidelity, Layer, Load};
 
     /// A warm dynamic run of squares `width_um` wide with a pitch of 120 um in a layer of 60 um.
     fn scene(width_um: f64, friction: LocalFriction) -> Scene {
-        let run =
-            RunOptions { fidelity: Fidelity::Dynamic, sliding_m: 0.3e-6, warm_start: true, ..RunOptions::default() };
-        let scene = samples::scene(samples::pattern(Planform::Square, width_um, 120.0 - width_um, 20.0), &[2.6], run);
+        let squares = pattern(Planform::Square, width_um, 120.0 - width_um, 20.0);
+        let scene = samples::scene(squares, &[2.6], samples::in_time(0.3e-6));
         let layer = Layer { length_m: 960e-6, height_m: 60e-6, ..scene.layer };
         Scene { layer, loads: vec![Load { pressure_pa: 2.6e6, friction }], ..scene }
     }
@@ -314,13 +313,7 @@ mod tests {
         let mut scene = scene(60.0, samples::friction());
         assert_eq!(scene.dimension(), Dimension::Space);
         let found = simulate(&scene, &Unwatched).unwrap();
-        assert!(
-            found
-                .statements
-                .method
-                .iter()
-                .any(|line| line.starts_with("three dimensions, as square cavities need: 12 x 12 x 6"))
-        );
+        assert!(says(&found, "three dimensions, as square cavities need: 12 x 12 x 6"));
         let load = &found.loads[0];
         let flat = load.flat.as_ref().unwrap();
         assert_eq!((load.surface.status, flat.status), (Status::Converged, Status::Converged));
@@ -345,7 +338,7 @@ mod tests {
         scene.run.sliding_m = 0.6e-6;
         for angle_deg in [0.0, 30.0] {
             let texture = Texture::new(Planform::Square).with_sliding_angle_deg(angle_deg).unwrap();
-            scene.pattern = Some(Pattern::new(texture, 60e-6, 60e-6, 20e-6).unwrap());
+            scene.pattern = Some(pattern(texture, 60.0, 60.0, 20.0));
             let load = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
             assert_eq!(load.surface.status, Status::Converged);
             assert!((load.ratio().unwrap() - 1.0).abs() < 2e-3, "{:?}", load.ratio());
@@ -364,15 +357,12 @@ mod tests {
         };
         let both = threads(1);
         assert_eq!(both, threads(3));
-        assert!(both.statements.method.iter().any(|line| line.starts_with("mean of 2 draws")));
+        assert!(says(&both, "mean of 2 draws"));
         scene.run.draws = 1;
-        let ratios: Vec<f64> = [1, 2]
-            .into_iter()
-            .map(|seed| {
-                scene.run.seed = seed;
-                simulate(&scene, &Unwatched).unwrap().loads[0].ratio().unwrap()
-            })
-            .collect();
+        let ratios = [1, 2].map(|seed| {
+            scene.run.seed = seed;
+            simulate(&scene, &Unwatched).unwrap().loads[0].ratio().unwrap()
+        });
         let load = &both.loads[0];
         assert!((load.ratio().unwrap() - (ratios[0] + ratios[1]) / 2.0).abs() < 1e-15);
         // The standard error of two runs is at least half their difference.
@@ -386,25 +376,19 @@ mod tests {
         let whole = simulate(&scene, &Unwatched).unwrap().loads[0].ratio().unwrap();
         let steady = |pattern: &Pattern| SteadyCell::new(&scene).ratios(pattern)[0].unwrap();
         let nearest = scene.pattern.unwrap();
-        let pattern = samples::pattern(Planform::Square, 62.0, 58.0, 18.0);
+        let pattern = pattern(Planform::Square, 62.0, 58.0, 18.0);
         let difference = steady(&pattern) - steady(&nearest);
         scene.pattern = Some(pattern);
         let found = simulate(&scene, &Unwatched).unwrap();
         assert!(difference.abs() > 1e-3 && (found.loads[0].ratio().unwrap() - whole - difference).abs() < 1e-12);
-        assert!(
-            found
-                .statements
-                .method
-                .iter()
-                .any(|line| line.starts_with("nearest whole blocks (12 x 12 columns, 25.00 % cavity"))
-        );
+        assert!(says(&found, "nearest whole blocks (12 x 12 columns, 25.00 % cavity"));
     }
 
     #[test]
     fn grooves_along_the_sliding_direction_have_columns_along_them() {
         let mut scene = scene(60.0, samples::friction());
         let texture = Texture::new(Planform::Groove).with_sliding_angle_deg(90.0).unwrap();
-        scene.pattern = Some(Pattern::new(texture, 60e-6, 60e-6, 20e-6).unwrap());
+        scene.pattern = Some(pattern(texture, 60.0, 60.0, 20.0));
         scene.run.sliding_m = 0.1e-6;
         let load = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
         assert_eq!((load.surface.status, load.surface.interface.len()), (Status::Converged, 72));

@@ -29,7 +29,7 @@ use crate::pattern::Pattern;
 
 use super::blocks::{self, BlockRefinement};
 use super::pressure_tilt::PressureTilt;
-use super::rim_difference::RimDifference;
+use super::rim_difference;
 use super::statements::modulus_of_heights;
 use super::{ThickLayerCorrection, cancelled, describe_draws, describe_law, discretization_error};
 use crate::springblock::{
@@ -99,9 +99,7 @@ impl<'a> SteadySpecimen<'a> {
     /// The errors of [`simulate_specimen`].
     fn new(scene: &'a Scene, face: &'a Face, monitor: &dyn Monitor) -> Result<Option<Self>, SceneError> {
         let pattern = validated_pattern(scene)?;
-        let strips = || {
-            SteadyFace::new(&without_thickness(scene), &RimDifference::new(scene, &pattern), &pattern, face, monitor)
-        };
+        let strips = || SteadyFace::new(scene, &pattern, face, monitor);
         let block_errors = || {
             let cells = SteadyCell::with_dimension(scene, Dimension::Plane).ratios(&pattern);
             discretization_error(scene, &pattern, &cells)
@@ -169,7 +167,7 @@ impl<'a> SteadySpecimen<'a> {
             );
         }
         if scene.is_raised() {
-            statements.model(RimDifference::statement());
+            statements.model(rim_difference::statement());
         }
         if self.shortened > 0 {
             statements.method(format!(
@@ -203,9 +201,9 @@ pub fn steady_face_ratios(
     face: &Face,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Option<f64>>, SceneError> {
-    let steady =
-        SteadyFace::new(&without_thickness(scene), &RimDifference::new(scene, pattern), pattern, face, monitor)?;
-    let Some(SteadyFace { mut loads, .. }) = steady else { return Ok(vec![None; scene.loads.len()]) };
+    let Some(SteadyFace { mut loads, .. }) = SteadyFace::new(scene, pattern, face, monitor)? else {
+        return Ok(vec![None; scene.loads.len()]);
+    };
     if scene.layer.is_backed() {
         ThickLayerCorrection::for_face(scene, pattern, face, monitor).apply(
             false,

@@ -1,6 +1,6 @@
 use super::*;
 use crate::material::{AreaLaw, LocalFriction};
-use crate::springblock::tests::samples;
+use crate::springblock::tests::samples::{self, face};
 use crate::springblock::{Extent, Layer, RunOptions, Unwatched, steady_face_ratios};
 
 /// A strip `length_um` long with as many cavities of `width_um` and lands of `land_um` as fit between margins of at
@@ -13,12 +13,6 @@ fn strip([width_um, land_um, margin_um, length_um]: [f64; 4]) -> Strip {
     let cavity = |number: u32| [start_um(number) * 1e-6, (start_um(number) + width_um) * 1e-6];
     let cavities_m = (0..count as u32).map(cavity).collect();
     Strip { band: 0, width_m: 1e-3, length_m: length_um * 1e-6, cavities_m }
-}
-
-fn face(strips: Vec<Strip>) -> Face {
-    let area = |of: fn(&Strip) -> f64| strips.iter().map(|strip| strip.width_m * of(strip)).sum::<f64>();
-    let share = area(Strip::cavity_length_m) / area(|strip| strip.length_m);
-    Face::new(strips, share).unwrap()
 }
 
 /// Friction is low, since the tilt of the pressure by friction is not part of load sharing.

@@ -3,8 +3,9 @@
 use crate::pattern::Pattern;
 use rayon::prelude::*;
 
-use super::super::rim_difference::{RimDifference, without_rim};
+use super::super::rim_difference::{self, without_rim};
 use super::super::{UNIFORM_COLUMNS, compare, require_memory};
+use super::without_thickness;
 use crate::springblock::steady::factor_bytes;
 use crate::springblock::{
     Effect, Face, Lattice, Layer, Load, LoadOutcome, Monitor, Scene, SceneError, Status, SteadyLoad, SteadyModel,
@@ -155,16 +156,16 @@ pub fn face_bytes(layer: &Layer, pattern: &Pattern, face: &Face) -> Result<f64, 
 }
 
 impl SteadyFace {
-    /// Solves `face`; `None` once `monitor` has cancelled.
+    /// Solves the layer of `scene` on `face`; `None` once `monitor` has cancelled.
     pub fn new(
         scene: &Scene,
-        rims: &RimDifference,
         pattern: &Pattern,
         face: &Face,
         monitor: &dyn Monitor,
     ) -> Result<Option<Self>, SceneError> {
-        // Strips are solved with flat lands; the effect of rims is that on the cell.
-        let pattern = &without_rim(pattern);
+        // Strips are solved with flat lands; the effect of rims is that on the cell of the whole thickness.
+        let rims = rim_difference::of_rims(scene, pattern);
+        let (scene, pattern) = (&without_thickness(scene), &without_rim(pattern));
         let plan = Plan::new(&scene.layer, pattern, face);
         plan.affordable()?;
         let model = |lattice: &Lattice| monitor.heed().ok().map(|()| SteadyModel::for_scene(scene, lattice.clone()));
@@ -190,7 +191,7 @@ impl SteadyFace {
             face_load(face, &parts.collect::<Vec<_>>(), flat, load)
         });
         let mut loads: Vec<LoadOutcome> = each.collect();
-        rims.add(face.share_of(pattern), &mut loads);
+        rim_difference::add(&rims, face.share_of(pattern), &mut loads);
         Ok(Some(Self { loads, shortened: plan.shortened }))
     }
 }

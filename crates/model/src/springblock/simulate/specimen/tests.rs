@@ -5,7 +5,7 @@ use super::timed_strip::{TIME_CHANGE_ERROR, drawn_ratios, timed_lattices};
 use super::*;
 use crate::material::{AreaLaw, LocalFriction};
 use crate::springblock::simulate::run_all;
-use crate::springblock::tests::samples;
+use crate::springblock::tests::samples::{self, face, in_time, says};
 use crate::springblock::{Effect, Lattice, Layer, SteadyModel, Strip, Unwatched, columns, simulate};
 
 fn scene(run: RunOptions) -> Scene {
@@ -22,14 +22,8 @@ fn strip(band: usize, length_m: f64, first_m: f64) -> Strip {
     Strip { band, width_m: 1e-3, length_m, cavities_m: cavities_m.collect() }
 }
 
-fn face(strips: Vec<Strip>) -> Face {
-    let sum = |of: &dyn Fn(&Strip) -> f64| strips.iter().map(of).sum::<f64>();
-    let share = sum(&|strip| strip.cavity_length_m() * strip.width_m) / sum(&Strip::area_m2);
-    Face::new(strips, share).unwrap()
-}
-
 fn ratios(scene: &Scene, face: &Face) -> Vec<f64> {
-    simulate_specimen(scene, face, &Unwatched).unwrap().loads.iter().map(|load| load.ratio().unwrap()).collect()
+    samples::ratios(&simulate_specimen(scene, face, &Unwatched).unwrap())
 }
 
 fn largest_distance(a: &[f64], b: &[f64]) -> f64 {
@@ -43,8 +37,7 @@ fn one_strip_laid_like_a_sample_is_the_sample() {
     for load in &mut scene.loads {
         load.friction = LocalFriction::new(0.30, 0.27, 0.0).unwrap();
     }
-    let sample: Vec<f64> =
-        simulate(&scene, &Unwatched).unwrap().loads.iter().map(|load| load.ratio().unwrap()).collect();
+    let sample = samples::ratios(&simulate(&scene, &Unwatched).unwrap());
     let own = ratios(&scene, &face(vec![strip(0, 2e-3, 180e-6)]));
     assert!(largest_distance(&own, &sample) < 1e-9, "{own:?} {sample:?}");
 }
@@ -81,11 +74,7 @@ fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
         assert!((found.surface.mu_dynamic.unwrap() / mu - 1.0).abs() < 1e-9);
     }
     assert!(found.loads[1].ratio().unwrap() > ratios(&scene, &face(vec![strip(0, 2e-3, 180e-6)]))[1]);
-    assert!(
-        found.statements.model.iter().any(|statements| statements.contains("13.00 % of its face")),
-        "{:?} {pattern:?}",
-        found.statements
-    );
+    assert!(says(&found, "13.00 % of its face"), "{:?} {pattern:?}", found.statements);
 }
 
 #[test]
@@ -232,14 +221,7 @@ fn slender_walls_at_the_rim_bear_nothing() {
 #[test]
 #[ignore = "seventeen seconds: three strips in time, of which TIME_CHANGE_ERROR was found"]
 fn strips_follow_the_longest_in_time() {
-    let run = RunOptions {
-        fidelity: Fidelity::Dynamic,
-        warm_start: true,
-        mu_stderr: Some(0.00015),
-        sliding_m: 6e-6,
-        ..RunOptions::default()
-    };
-    let mut scene = scene(run);
+    let mut scene = scene(RunOptions { mu_stderr: Some(0.00015), ..in_time(6e-6) });
     scene.loads.remove(0);
     let strips = vec![strip(0, 2e-3, 180e-6), strip(1, 1.6e-3, 150e-6), strip(2, 0.9e-3, 180e-6)];
     let whole = face(strips.clone());
@@ -267,14 +249,7 @@ fn strips_follow_the_longest_in_time() {
 
 #[test]
 fn a_run_in_time_is_the_steady_specimen_and_what_it_says_that_time_adds() {
-    let run = RunOptions {
-        fidelity: Fidelity::Dynamic,
-        warm_start: true,
-        sliding_m: 1e-6,
-        refine: true,
-        ..RunOptions::default()
-    };
-    let mut scene = scene(run);
+    let mut scene = scene(RunOptions { refine: true, ..in_time(1e-6) });
     scene.layer.thickness_m = Some(3e-3);
     let whole = face(vec![strip(0, 2e-3, 180e-6), strip(1, 0.9e-3, 180e-6)]);
     let in_time = simulate_specimen(&scene, &whole, &Unwatched).unwrap();
@@ -290,17 +265,15 @@ fn a_run_in_time_is_the_steady_specimen_and_what_it_says_that_time_adds() {
 
 #[test]
 fn lands_that_the_border_cuts_are_said_to_be_pressed_harder() {
-    let run = RunOptions { fidelity: Fidelity::Dynamic, warm_start: true, sliding_m: 1e-6, ..RunOptions::default() };
-    let mut scene = scene(run);
+    let mut scene = scene(in_time(1e-6));
     scene.loads.truncate(1);
     let found = |strips: Vec<Strip>| simulate_specimen(&scene, &face(strips), &Unwatched).unwrap();
-    let statements =
-        |found: &Simulation| found.statements.model.iter().any(|statements| statements.contains("times that pressure"));
+    let warns = |found: &Simulation| says(found, "times that pressure");
     // The land between the two cavities of the shorter strip is a fifth as wide.
     let longest = strip(0, 2e-3, 180e-6);
     let cavities_m = vec![[300e-6, 430e-6], [470e-6, 600e-6]];
     let narrow = Strip { band: 1, length_m: 1.2e-3, cavities_m, ..longest.clone() };
     let (both, alone) = (found(vec![longest.clone(), narrow]), found(vec![longest]));
-    assert!(statements(&both) && !statements(&alone), "{:?}", both.statements.model);
+    assert!(warns(&both) && !warns(&alone), "{:?}", both.statements.model);
     assert_eq!(both.loads[0].surface.peak_pressure_pa, alone.loads[0].surface.peak_pressure_pa);
 }

@@ -79,8 +79,7 @@ fn off(run: RunOptions, length_m: f64, relative_std: f64) -> Vec<f64> {
 #[test]
 #[ignore = "forty runs in time, half of them of thick layers, take minutes"]
 fn a_thick_layer_in_time_is_a_thin_one_and_the_steady_difference() {
-    let run = RunOptions { fidelity: Fidelity::Dynamic, warm_start: true, ..RunOptions::default() };
-    let [rms, largest] = sizes(&off(run, 9960e-6, 0.05));
+    let [rms, largest] = sizes(&off(samples::in_time(RunOptions::default().sliding_m), 9960e-6, 0.05));
     assert!(rms < DYNAMIC_ERROR && largest < 0.003, "{rms} {largest}");
 }
 
@@ -128,8 +127,7 @@ fn squares() -> Pattern {
 
 #[test]
 fn time_and_ends_get_the_steady_difference_added() {
-    let in_time =
-        RunOptions { fidelity: Fidelity::Dynamic, sliding_m: 0.1e-6, warm_start: true, ..RunOptions::default() };
+    let in_time = samples::in_time(0.1e-6);
     let with_ends = RunOptions { extent: Extent::Sample, ..RunOptions::default() };
     for (pattern, run, open) in [
         (groove(300.0, 600.0, 30.0), in_time, DYNAMIC_ERROR),
