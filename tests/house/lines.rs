@@ -6,7 +6,7 @@ use crate::rooms::{code, root, sources};
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
     ("base", 1_750),
-    ("model", 15_100),
+    ("model", 14_800),
     ("surface", 10_500),
     ("traces", 2_950),
     ("laser", 4_650),

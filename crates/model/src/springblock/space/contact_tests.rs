@@ -2,24 +2,23 @@
 
 use std::f64::consts::PI;
 
-use crate::pattern::{Pattern, Planform};
+use crate::pattern::Planform;
 
+use super::raised_tests::frictionless;
 use super::tests::{largest_imbalance, load};
 use super::*;
-use crate::springblock::tests::samples::{E_PA, pattern, persson_law};
+use crate::springblock::tests::samples::{E_PA, pattern, persson_law, slope};
 use crate::springblock::{Lattice, Status, SteadyLoad, SteadyModel, columns};
 
 /// Frictionless contact of a layer of cubes that touches where `touches` is true; pressures by column over the nominal
 /// pressure.
-fn frictionless(columns: [usize; 2], rows: usize, touches: impl Fn(usize, usize) -> bool) -> Vec<f64> {
+fn pressures(columns: [usize; 2], rows: usize, touches: impl Fn(usize, usize) -> bool) -> Vec<f64> {
     let coverage = (0..columns[0] * columns[1])
         .map(|column| if touches(column % columns[0], column / columns[0]) { 0.0 } else { 1.0 })
         .collect();
     let model = SpaceSteadyModel::new(SpaceLattice::of_cubes(columns, rows, coverage, 0.0), 10e-6, E_PA, false);
-    let outcome = model.solve(&SpaceLoad { dynamic_mu: 0.0, ..load(2.6, None) });
-    assert_eq!(outcome.status, Status::NoFriction, "{:?}", outcome.residual);
     let mut pressure = vec![0.0; columns[0] * columns[1]];
-    for point in outcome.interface {
+    for point in frictionless(&model, 2.6).interface {
         let column = |at_m: f64| (at_m / 10e-6 - 0.5).round() as usize;
         pressure[column(point.y_m) * columns[0] + column(point.x_m)] = point.pressure_pa / 2.6e6;
     }
@@ -33,7 +32,7 @@ fn pressure_between_slits_of_a_deep_body_converges_to_the_closed_form() {
     let error = |refine: usize| {
         let (pitch, width) = (24 * refine, 8 * refine);
         let w = pitch as f64;
-        let pressure = frictionless([pitch, 1], 36 * refine, |i, _| i >= width);
+        let pressure = pressures([pitch, 1], 36 * refine, |i, _| i >= width);
         // The middle half of the land is away from the singular edges.
         let middle = (0..pitch).map(|i| (i as f64 + 0.5 - 0.5 * width as f64, pressure[i]));
         let middle = middle.filter(|(x, _)| (x - w / 2.0).abs() < w / 6.0);
@@ -50,15 +49,13 @@ fn pressure_between_slits_of_a_deep_body_converges_to_the_closed_form() {
 /// from 0.03 to 0.12 of the diagonal; there is a corner at both ends.
 fn corner_exponent(land: usize) -> f64 {
     let pitch = 2 * land;
-    let pressure = frictionless([pitch; 2], pitch, |i, j| i < land && j < land);
+    let pressure = pressures([pitch; 2], pitch, |i, j| i < land && j < land);
     let points: Vec<[f64; 2]> = (0..land)
         .map(|i| ((i as f64 + 0.5) / land as f64, pressure[i * pitch + i]))
         .filter(|(r, _)| (0.03..0.12).contains(r))
         .map(|(r, p)| [(r * (1.0 - r)).ln(), p.ln()])
         .collect();
-    let mean = [0, 1].map(|axis| points.iter().map(|p| p[axis]).sum::<f64>() / points.len() as f64);
-    let moment = |axis: usize| points.iter().map(|p| (p[0] - mean[0]) * (p[axis] - mean[axis])).sum::<f64>();
-    moment(1) / moment(0)
+    slope(&points)
 }
 
 /// The pressure of a frictionless punch on a half-space is analogous to the charge on a plate: p ~ r^(nu - 1), nu =
@@ -93,10 +90,8 @@ fn a_groove_lifts_off_as_in_the_vertical_plane() {
 #[test]
 fn posts_that_tip_neither_stick_nor_sink() {
     // Narrow walls between deep cavities: contact that cannot open is under tension at their rear.
-    let patterns: Vec<Pattern> =
-        [(100.0, 40.0, 120.0), (103.0, 37.0, 117.0)].map(|(w, s, d)| pattern(Planform::Square, w, s, d)).to_vec();
-    for (pattern, direction) in patterns.iter().zip([[1.0, 0.0], [0.6, 0.8]]) {
-        let lattice = SpaceLattice::cell(pattern, 10e-6, 20);
+    for (width, land, depth, direction) in [(100.0, 40.0, 120.0, [1.0, 0.0]), (103.0, 37.0, 117.0, [0.6, 0.8])] {
+        let lattice = SpaceLattice::cell(&pattern(Planform::Square, width, land, depth), 10e-6, 20);
         let tipping = SpaceLoad { dynamic_mu: 0.9, direction, ..load(1.0, None) };
         let pinned = SpaceSteadyModel::new(lattice.clone(), 10e-6, E_PA, false).solve(&tipping);
         assert!(pinned.tension_blocks > 0, "{pinned:?}");

@@ -33,6 +33,4 @@ mod planform_tests;
 #[cfg(test)]
 mod raised_tests;
 #[cfg(test)]
-mod strip_tests;
-#[cfg(test)]
 mod tests;

@@ -1,16 +1,11 @@
 //! Polygons and crossing grooves compared with basic planforms, and their symmetries.
 
-use crate::pattern::{Arrangement, Pattern, Planform, Polygon, Texture};
+use crate::pattern::{Arrangement, Pattern, Planform, Polygon, Texture, regular};
 
-use super::tests::{largest_imbalance, load};
+use super::tests::{largest_imbalance, load, ratio_of_layer};
 use super::*;
-use crate::springblock::tests::samples::{E_PA, pattern, persson_law, scene};
-use crate::springblock::{Fidelity, RunOptions, SteadyCell, Unwatched, simulate};
-
-fn regular(corners: u32, start_deg: f64) -> Vec<[f64; 2]> {
-    let angle = |k: u32| (start_deg + 360.0 * f64::from(k) / f64::from(corners)).to_radians();
-    (0..corners).map(|k| [libm::cos(angle(k)), libm::sin(angle(k))]).collect()
-}
+use crate::springblock::tests::samples::{self, E_PA, pattern, persson_law, says, scene};
+use crate::springblock::{RunOptions, Scene, SteadyCell, Unwatched, simulate};
 
 fn polygon(vertices: &[[f64; 2]]) -> Texture {
     Texture::new(Planform::Polygon).with_outline(Polygon::new(vertices).unwrap()).unwrap()
@@ -24,11 +19,7 @@ fn mirrored(vertices: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 fn ratio(pattern: &Pattern) -> f64 {
-    let law = persson_law();
-    let lattice = SpaceLattice::cell(pattern, 10e-6, 10);
-    let model = SpaceSteadyModel::new(lattice, 10e-6, E_PA, false);
-    let load = SpaceLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
-    model.solve(&load).mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6))
+    ratio_of_layer(pattern, 10.0, 100.0)
 }
 
 #[test]
@@ -139,14 +130,9 @@ fn both_are_solved_in_space_steady_and_in_time() {
         (asked.layer.block_m, asked.layer.height_m) = (20e-6, 100e-6);
         let steady = simulate(&asked, &Unwatched).unwrap();
         let ratio = steady.loads[0].ratio().unwrap();
-        assert!(
-            ratio < 0.99 && steady.statements.method.iter().any(|line| line.contains("three dimensions")),
-            "{ratio}"
-        );
+        assert!(ratio < 0.99 && says(&steady, "three dimensions"), "{ratio}");
         assert!((SteadyCell::new(&asked).ratios(&pattern)[0].unwrap() - ratio).abs() < 1e-9);
-        let run =
-            RunOptions { fidelity: Fidelity::Dynamic, sliding_m: 2e-6, warm_start: true, ..RunOptions::default() };
-        let in_time = simulate(&crate::springblock::Scene { run, ..asked }, &Unwatched).unwrap();
+        let in_time = simulate(&Scene { run: samples::in_time(2e-6), ..asked }, &Unwatched).unwrap();
         assert!(in_time.loads[0].ratio().is_some(), "{:?}", in_time.loads[0]);
     }
 }

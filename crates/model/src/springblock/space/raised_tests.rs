@@ -2,22 +2,16 @@
 
 use std::f64::consts::TAU;
 
-use crate::material::Elastic;
-use crate::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
+use crate::pattern::{Pattern, Planform, RimProfile};
 
 use super::tests::{largest_imbalance, load};
 use super::*;
 use crate::springblock::steady::{FaceHistory, RaisedModel};
-use crate::springblock::tests::samples::{E_PA, persson_law};
-use crate::springblock::{Lattice, Status, SteadyLoad, SurfaceOutcome, columns};
+use crate::springblock::tests::samples::{self, E_PA, elastic, persson_law};
+use crate::springblock::{Lattice, Status, SteadyLoad, SurfaceOutcome, Unwatched, columns};
 
-fn elastic(youngs_modulus_pa: f64) -> Elastic {
-    Elastic::new(youngs_modulus_pa, 900.0).unwrap()
-}
-
-fn rimmed(planform: Planform, [width, spacing, depth]: [f64; 3], height_um: f64, rim_um: f64) -> Pattern {
-    let rim = Rim::new(height_um * 1e-6, rim_um * 1e-6, RimProfile::Flat).unwrap();
-    Pattern::new(Texture::new(planform).with_rim(rim), width * 1e-6, spacing * 1e-6, depth * 1e-6).unwrap()
+fn rimmed(planform: Planform, sizes: [f64; 3], height_um: f64, rim_um: f64) -> Pattern {
+    samples::rimmed(planform, sizes, height_um, rim_um, RimProfile::Flat)
 }
 
 fn model(pattern: &Pattern) -> SpaceSteadyModel {
@@ -31,7 +25,7 @@ fn face(columns: [usize; 2], rows: usize, height_um: impl Fn(usize, usize) -> f6
     SpaceSteadyModel::new(lattice, 10e-6, E_PA, false)
 }
 
-fn frictionless(model: &SpaceSteadyModel, pressure_mpa: f64) -> SurfaceOutcome {
+pub(super) fn frictionless(model: &SpaceSteadyModel, pressure_mpa: f64) -> SurfaceOutcome {
     let outcome = model.solve(&SpaceLoad { dynamic_mu: 0.0, ..load(pressure_mpa, None) });
     assert_eq!(outcome.status, Status::NoFriction, "{:?} {}", outcome.residual, outcome.iterations);
     outcome
@@ -39,36 +33,37 @@ fn frictionless(model: &SpaceSteadyModel, pressure_mpa: f64) -> SurfaceOutcome {
 
 /// Columns of the plane have the heights of plane strain at nu = 1/4.
 #[test]
-fn grooves_with_rims_are_those_of_the_vertical_plane() {
+fn grooves_with_rims_elastic_or_yielding_are_those_of_the_vertical_plane() {
     let law = persson_law();
-    for (sizes, height) in [
-        ([130.0, 370.0, 20.0], 0.1),
-        ([133.3, 372.9, 17.0], 0.5),
-        ([58.0, 47.1, 4.0], 1.0),
-        ([100.0, 100.0, 30.0], 50.0),
+    let loads = [0.65, 2.6, 0.65].map(|pressure_mpa| load(pressure_mpa, Some(&law)));
+    for (sizes, height, rim, yields_pa) in [
+        ([130.0, 370.0, 20.0], 0.1, 15.0, None),
+        ([133.3, 372.9, 17.0], 0.5, 15.0, None),
+        ([58.0, 47.1, 4.0], 1.0, 15.0, None),
+        ([100.0, 100.0, 30.0], 50.0, 15.0, None),
+        ([133.3, 372.9, 17.0], 1.0, 25.0, Some(9e6)),
     ] {
-        let pattern = rimmed(Planform::Groove, sizes, height, 15.0);
+        let pattern = rimmed(Planform::Groove, sizes, height, rim);
         let plane = Lattice::new(columns::cell(&pattern, 10e-6), 20, true);
         let dynamic_mu = vec![0.27; plane.nx()];
-        let plane = RaisedModel::new(&plane, 10e-6, elastic(E_PA)).unwrap();
-        let space = model(&pattern);
-        for pressure in [0.65, 2.6] {
-            let in_plane = SteadyLoad { pressure_pa: pressure * 1e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
-            let in_plane = plane.solve(&in_plane, &mut FaceHistory::default());
-            let in_space = space.solve(&load(pressure, Some(&law)));
-            assert_eq!(
-                (in_plane.status, in_space.status),
-                (Status::Converged, Status::Converged),
-                "{sizes:?} {pressure}"
-            );
-            assert!((in_plane.mu_dynamic.unwrap() - in_space.mu_dynamic.unwrap()).abs() < 1e-9, "{sizes:?} {pressure}");
-            for (a, b) in in_plane.interface.iter().zip(&in_space.interface) {
-                assert!(
-                    (a.pressure_pa - b.pressure_pa).abs() < 1e-7 * in_plane.peak_pressure_pa,
-                    "{sizes:?} {pressure}"
-                );
+        let solid = elastic().with_yield_pressure_pa(yields_pa).unwrap();
+        let plane = RaisedModel::new(&plane, 10e-6, solid).unwrap();
+        let in_space = model(&pattern).yielding_at(yields_pa).solve_all(&loads, &Unwatched);
+        let mut history = FaceHistory::default();
+        for (load, in_space) in loads.iter().zip(&in_space) {
+            let SpaceLoad { pressure_pa, area_law, .. } = *load;
+            let in_plane = plane.solve(&SteadyLoad { pressure_pa, dynamic_mu: &dynamic_mu, area_law }, &mut history);
+            let what = format!("{sizes:?} {pressure_pa}");
+            assert_eq!((in_plane.status, in_space.status), (Status::Converged, Status::Converged), "{what}");
+            let (tolerance, peak_pa) = yields_pa.map_or((1e-9, f64::INFINITY), |yields_pa| (1e-8, yields_pa));
+            assert!((in_plane.mu_dynamic.unwrap() - in_space.mu_dynamic.unwrap()).abs() < tolerance, "{what}");
+            assert!(in_space.peak_pressure_pa <= peak_pa * (1.0 + 1e-6));
+            for (a, b) in in_plane.interface.iter().zip(&in_space.interface).filter(|_| yields_pa.is_none()) {
+                assert!((a.pressure_pa - b.pressure_pa).abs() < 1e-7 * in_plane.peak_pressure_pa, "{what}");
             }
         }
+        let [first, .., last] = [0, 1, 2].map(|number: usize| in_space[number].mu_dynamic.unwrap());
+        assert!(yields_pa.is_none() || last > first + 0.005, "{first} {last}");
     }
 }
 
@@ -173,29 +168,4 @@ fn rough_faces_touch_as_a_dense_solver_says() {
             assert!((a - b).abs() < 1e-4 * most, "{amplitude}: {a} {b}");
         }
     }
-}
-
-#[test]
-fn grooves_whose_rims_yield_are_those_of_the_vertical_plane() {
-    let law = persson_law();
-    let pattern = rimmed(Planform::Groove, [133.3, 372.9, 17.0], 1.0, 25.0);
-    let plane = Lattice::new(columns::cell(&pattern, 10e-6), 20, true);
-    let dynamic_mu = vec![0.27; plane.nx()];
-    let solid = elastic(E_PA).with_yield_pressure_pa(Some(9e6)).unwrap();
-    let plane = RaisedModel::new(&plane, 10e-6, solid).unwrap();
-    let space = model(&pattern).yielding_at(Some(9e6));
-    let pressures_mpa = [0.65, 2.6, 0.65];
-    let loads: Vec<SpaceLoad> = pressures_mpa.iter().map(|mpa| load(*mpa, Some(&law))).collect();
-    let mut history = FaceHistory::default();
-    let mut ratios = Vec::new();
-    for (pressure_mpa, space) in pressures_mpa.into_iter().zip(space.solve_all(&loads, &crate::springblock::Unwatched))
-    {
-        let in_plane = SteadyLoad { pressure_pa: pressure_mpa * 1e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
-        let plane = plane.solve(&in_plane, &mut history);
-        assert_eq!((plane.status, space.status), (Status::Converged, Status::Converged), "{pressure_mpa}");
-        assert!((plane.mu_dynamic.unwrap() - space.mu_dynamic.unwrap()).abs() < 1e-8, "{pressure_mpa}");
-        assert!(space.peak_pressure_pa <= 9e6 * (1.0 + 1e-6));
-        ratios.push(space.mu_dynamic.unwrap());
-    }
-    assert!(ratios[2] > ratios[0] + 0.005, "{ratios:?}");
 }
