@@ -179,7 +179,8 @@ fn slips_farther_apart_than_anything_yields_are_no_stick_slip() {
     let mut channels = good();
     let (forces, times) = (channels.normal_force_n.clone(), channels.time_s.clone());
     for ((t, force), clock) in torque(&mut channels).iter_mut().zip(forces).zip(times) {
-        *t = (0.25 + 0.05 * ((clock - 100.0) / 1.9).fract()) * force * RADIUS_M;
+        let phase = ((clock - 100.0) / 1.9).fract();
+        *t = (0.25 + 0.05 * if phase < 0.95 { phase / 0.95 } else { (1.0 - phase) / 0.05 }) * force * RADIUS_M;
     }
     let at = |speed_m_s: f64| analyse(&channels, &TraceOptions { speed_m_s, static_peak: false, ..OPTIONS }).unwrap();
     // 9.5 mm from slip to slip, and 38 mm.
