@@ -242,7 +242,7 @@ fn a_calibration_takes_in_every_condition_of_a_range() {
         ("patterned.csv", &table(0.9, 0.8)),
     ]);
     let message = place.refuse(&["optimize", "outside.toml"]);
-    assert!(message.contains("outside.toml:3: condition: ") && message.contains("2 mm/s at 81 %"), "{message}");
+    assert!(message.contains("outside.toml:4: condition: ") && message.contains("2 mm/s at 81 %"), "{message}");
     place.succeed(&["optimize", "a.toml"]);
     let found = result(&place, "out/a");
     assert_eq!((found["trials"].as_u64(), at(&found).len()), (Some(1), 2));

@@ -202,7 +202,8 @@ fn the_program_answers_spoiled_files_or_refuses_them() {
     let laser = r#""spot_um": 23.0, "hatch_um": 20.0, "wall_taper_deg": 5.0"#;
     let specimen = r#""shape": "ring", "outer_diameter_mm": 4.0, "inner_diameter_mm": 1.0"#;
     let result = by_hand(r#""planform": "square""#, laser, specimen);
-    let result = result.split_whitespace().collect::<Vec<_>>().join(" ").replace(", \"", "\n, \"").replace('{', "{\n");
+    let words: Vec<&str> = result.split_whitespace().collect();
+    let result = words.join(" ").replace(", \"", "\n, \"").replace('{', "{\n").replace('}', "\n}");
     let place = Place::with(&[]);
     let mut dice = SplitMix64(7);
     let mut codes = [0; 2];

@@ -116,7 +116,7 @@ fn the_calibration_template_explains_every_key() {
         for key in keys.split(", ") {
             let is_explained = lines.iter().any(|(header, line)| {
                 (table.is_empty() || header.starts_with(table)) && line.starts_with(&format!("{key} = "))
-                    || table.is_empty() && line.starts_with(&format!("[{key}]"))
+                    || table.is_empty() && line.contains(&format!("[{key}]"))
                     || table == "[traces]" && line.starts_with(&format!("[[traces.{key}]]"))
             });
             assert!(is_explained, "{table}: {key} is not in the template");

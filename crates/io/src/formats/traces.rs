@@ -251,7 +251,7 @@ pub(crate) fn analyse_among(
             let parts: Vec<String> =
                 step.into_iter().chain(several.then(|| format!("repeat {}", repeat.number))).collect();
             let which = if parts.is_empty() { String::new() } else { format!("{}: ", parts.join(", ")) };
-            let label = [&[name.clone()], &parts[..]].concat().join(", ");
+            let label = [std::slice::from_ref(&name), &parts].concat().join(", ");
             let (samples, sums) = (repeat.channels.time_s.len(), repeat.channels.fingerprint());
             if let Some(Seen { label, .. }) = seen.iter().find(|other| (other.samples, other.sums) == (samples, sums)) {
                 let reason = format!("{which}holds the {samples} samples of {label} again: one export given twice");
