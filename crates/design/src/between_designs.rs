@@ -67,16 +67,10 @@ mod tests {
         let at = |width_um: f64| found.at(&groove(width_um, 10.0)).unwrap();
         assert!((at(100.0)[0] - 2.0).abs() < 1e-9 && (at(200.0)[0] - 3.0).abs() < 1e-9);
         assert!(at(141.0)[0] > 2.2 && at(141.0)[0] < 2.8 && (at(141.0)[1] - 5.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn designs_alike_stand_for_one_another() {
-        let mut found = BetweenDesigns::default();
-        found.learn([(groove(100.0, 10.0), vec![0.0])]);
         // A new value replaces the value of a similar design.
-        let nearly = groove(101.0, 10.0);
-        found.learn([(nearly, vec![0.4])]);
-        assert_eq!(found.at(&groove(800.0, 40.0)), Some(vec![0.4]));
-        found.learn([(groove(100.0, 10.0), vec![0.0])]);
+        let mut alike = BetweenDesigns::default();
+        alike.learn([(groove(100.0, 10.0), vec![0.0])]);
+        alike.learn([(groove(101.0, 10.0), vec![0.4])]);
+        assert_eq!(alike.at(&groove(800.0, 40.0)), Some(vec![0.4]));
     }
 }

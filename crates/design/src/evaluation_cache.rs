@@ -60,13 +60,10 @@ impl Answer {
         let beyond = sizes.into_iter().find(|(_, value)| value.is_nan() || value.abs() > LARGEST);
         let beyond =
             beyond.or(Some(("peak_pressure_mpa", self.peak_pressure_mpa)).filter(|&(_, value)| !positive(value)));
-        match beyond {
-            Some((name, value)) => Err(Fault {
-                reason: format!("answer.{name}: {value:e} is out of range"),
-                expected: format!("a number up to {LARGEST:e}"),
-            }),
-            None => Ok(()),
-        }
+        beyond.map_or(Ok(()), |(name, value)| {
+            let reason = format!("answer.{name}: {value:e} is out of range");
+            Err(Fault { reason, expected: format!("a number up to {LARGEST:e}") })
+        })
     }
 
     /// Maximum local pressure, in pascals.

@@ -232,8 +232,7 @@ impl Explorer {
         if search.stage.cancelled() {
             return None;
         }
-        let holes: Vec<usize> = (0..nodes.len()).filter(|place| answers[*place].is_none()).collect();
-        let all = filled(answers, &axes)?;
+        let (all, holes) = filled(answers, &axes)?;
         let mut reported = numbers_of(about);
         // The logarithm of the maximum pressure follows the log odds.
         reported.extend(run.map(|run| PRESSURE_MPA.from_si(run.peak_pressure_pa()).ln()));

@@ -57,7 +57,7 @@ pub struct Inputs<'a> {
     burst_std: Option<f64>,
     /// Model with all inputs at their means.
     still: SteadyModel<'a>,
-    /// Model in blocks of half the size; `None` in space.
+    /// Model in blocks of half the size; `None` in space, where smaller blocks are too expensive.
     fine: Option<SteadyModel<'a>>,
     inputs: Vec<Input<'a>>,
 }
@@ -72,13 +72,6 @@ struct Input<'a> {
     covariance: Covariance,
     above: SteadyModel<'a>,
     below: SteadyModel<'a>,
-}
-
-impl Input<'_> {
-    /// Standard deviation of the input at the load with the index `load`.
-    fn std(&self, load: usize) -> f64 {
-        std_at(&self.covariance, load)
-    }
 }
 
 /// Standard deviation at the load with the index `load`, from the `covariance` of an [`Input`].
@@ -127,6 +120,11 @@ impl<'a> Inputs<'a> {
             stated.push((Source::AreaLaw, known_to, vec![vec![1.0]]));
         }
 
+        let halved = |scene: &Scene| {
+            let mut fine = scene.clone();
+            fine.layer.block_m *= 0.5;
+            Ok::<_, DesignError>(fine)
+        };
         let is_fitted = material.scale_covariance.is_some();
         let input = |(source, known_to, covariance): (Source, String, Covariance)| {
             let own = |side: f64| {
@@ -146,7 +144,7 @@ impl<'a> Inputs<'a> {
             tolerances,
             burst_std: task.laser.depth_per_burst_std(),
             still: model.beside(|scene: &Scene| Ok::<_, DesignError>(scene.clone()))?,
-            fine: fine(model)?,
+            fine: if model.is_cheap_per_design() { Some(model.beside(halved)?) } else { None },
             inputs: stated.into_iter().map(input).collect::<Result<_, _>>()?,
         })
     }
@@ -182,7 +180,8 @@ impl<'a> Inputs<'a> {
                 let (above, below, own) = (above[load], below[load], still[load]);
                 // (r(x + s) - r(x - s)) / 2s and (r(x + s) - 2 r(x) + r(x - s)) / 2; mu = r mu_flat (1 + x)
                 let of_friction = if is_friction && !self.is_ratio { ratio[load] } else { 0.0 };
-                slopes[load % input.covariance.len()][load] = (above - below) / (2.0 * input.std(load)) + of_friction;
+                slopes[load % input.covariance.len()][load] =
+                    (above - below) / (2.0 * std_at(&input.covariance, load)) + of_friction;
                 bend[load] = 0.5 * (above - 2.0 * own + below);
             }
             let first_order = propagated(&input.covariance, &slopes);
@@ -341,14 +340,4 @@ fn rms(covariance: &[Vec<f64>]) -> f64 {
 pub fn percent(std: f64) -> String {
     let percent = 100.0 * std;
     if percent < 9.95 { format!("known to {percent:.1} %") } else { format!("known to {percent:.0} %") }
-}
-
-/// Returns `model` in blocks of half the size; `None` in space, where smaller blocks are too expensive.
-fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignError> {
-    let change = |scene: &Scene| {
-        let mut fine = scene.clone();
-        fine.layer.block_m *= 0.5;
-        Ok::<_, DesignError>(fine)
-    };
-    if model.is_cheap_per_design() { model.beside(change).map(Some) } else { Ok(None) }
 }

@@ -178,7 +178,7 @@ fn laid(texture: &Texture, is_along: bool) -> Result<Texture, DesignError> {
 /// planforms `task` alone. Further sliding directions are dropped, because trials are measured in one direction.
 fn tasks(task: &DesignTask) -> Result<Vec<PreparedTask>, DesignError> {
     let one = DesignTask { directions: FurtherDirections::default(), ..task.clone() };
-    if task.space.planform() != Planform::Groove {
+    if task.space.texture().planform() != Planform::Groove {
         return Ok(vec![PreparedTask::new(&one)?]);
     }
     let of = |is_along: bool| {

@@ -1,7 +1,5 @@
 //! Samples to cut next: those with the maximum chance by the model corrected by trials.
 
-use std::borrow::Cow;
-
 use crate::results::VERSION;
 use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
@@ -148,12 +146,8 @@ fn choose(
     } else {
         let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1);
         // Samples on one disc share what differs from disc to disc.
-        let disc = if options.one_disc {
-            Cow::Owned(scenarios.clone().on_one_disc(DISC_SEED))
-        } else {
-            Cow::Borrowed(&scenarios)
-        };
-        let draws = Draws { asked, scenarios: &scenarios, disc: &disc };
+        let on_disc = options.one_disc.then(|| scenarios.clone().on_one_disc(DISC_SEED));
+        let draws = Draws { asked, scenarios: &scenarios, disc: on_disc.as_ref().unwrap_or(&scenarios) };
         let chosen = several(&listed, &pending, options.count, &draws);
         // Solves each sample as cut; the first one is already solved.
         let chosen: Vec<Prediction> = chosen.into_iter().map(|of| search.as_cut(of)).collect();

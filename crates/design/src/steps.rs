@@ -4,7 +4,7 @@
 //! lengths. If no neighbour improves the value, `s` is halved. Cost: at most 26 designs per step, less the designs
 //! already known.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
@@ -68,17 +68,14 @@ impl<'a> Steps<'a> {
 
     /// Neighbours of `place` at a distance of `step` lattice steps along one or more lengths, within the bounds.
     fn about(&self, place: Place, step: usize) -> Vec<Place> {
+        let moved = |axis: usize| {
+            let above = Some(place[axis] + step).filter(|moved| *moved < self.axes[axis].len());
+            [place[axis].checked_sub(step), Some(place[axis]), above].into_iter().flatten()
+        };
         let mut all = Vec::new();
-        for corner in 0..27_usize {
-            let moved = |axis: usize| -> Option<usize> {
-                match corner / 3_usize.pow(axis as u32) % 3 {
-                    0 => place[axis].checked_sub(step),
-                    1 => Some(place[axis]),
-                    _ => Some(place[axis] + step).filter(|moved| *moved < self.axes[axis].len()),
-                }
-            };
-            if let (Some(width), Some(spacing), Some(depth)) = (moved(0), moved(1), moved(2)) {
-                all.push([width, spacing, depth]);
+        for depth in moved(2) {
+            for spacing in moved(1) {
+                all.extend(moved(0).map(|width| [width, spacing, depth]));
             }
         }
         all.retain(|other| *other != place);
@@ -119,45 +116,30 @@ pub fn climb(
         let found: Vec<Option<f64>> = asked.par_iter().map(one).collect();
         known.extend(asked.iter().copied().zip(found));
     };
-    let mut at: Vec<Place> = starts.to_vec();
-    at.sort_unstable();
-    at.dedup();
+    let mut at: BTreeSet<Place> = starts.iter().copied().collect();
     let unknown: Vec<Place> = at.iter().filter(|place| !known.contains_key(*place)).copied().collect();
     ask(&mut known, &unknown);
     let mut left = most;
     for step in STEPS {
         let mut moving = at.clone();
         while !moving.is_empty() && left > 0 && !monitor.cancelled() {
-            let mut asked: Vec<Place> = moving.iter().flat_map(|place| steps.about(*place, step)).collect();
-            asked.sort_unstable();
-            asked.dedup();
-            asked.retain(|place| !known.contains_key(place));
-            asked.truncate(left);
+            let about: BTreeSet<Place> = moving.iter().flat_map(|place| steps.about(*place, step)).collect();
+            let asked: Vec<Place> = about.into_iter().filter(|place| !known.contains_key(place)).take(left).collect();
             left -= asked.len();
             ask(&mut known, &asked);
-            let of = |place: &Place| known.get(place).copied().flatten();
-            let mut next = Vec::new();
-            for place in &mut at {
-                if !moving.contains(place) {
-                    continue;
-                }
-                let mut best = (*place, of(place).unwrap_or(f64::NEG_INFINITY));
-                // The first of equal values wins.
-                for other in steps.about(*place, step) {
-                    if let Some(value) = of(&other).filter(|value| *value > best.1) {
-                        best = (other, value);
-                    }
-                }
-                if best.0 != *place {
-                    *place = best.0;
-                    next.push(best.0);
-                }
-            }
-            at.sort_unstable();
-            at.dedup();
-            next.sort_unstable();
-            next.dedup();
-            moving = next;
+            let of = |place: &Place| known.get(place).copied().flatten().unwrap_or(f64::NEG_INFINITY);
+            // The first of equal values wins.
+            let best = |place: &Place| {
+                steps
+                    .about(*place, step)
+                    .into_iter()
+                    .fold(*place, |best, other| if of(&other) > of(&best) { other } else { best })
+            };
+            let moved: Vec<[Place; 2]> =
+                moving.iter().map(|place| [*place, best(place)]).filter(|[from, to]| from != to).collect();
+            moved.iter().for_each(|[from, _]| _ = at.remove(from));
+            moving = moved.into_iter().map(|[_, to]| to).collect();
+            at.extend(&moving);
         }
     }
     at.into_iter().filter_map(|place| steps.design(place)).collect()

@@ -134,9 +134,7 @@ impl Table {
             solved(task, models, lengths, coarse, &Part::new(stage, share))
         };
         let nodes = ResponseSurface::nodes(&lattice);
-        let answers = ask(&nodes, lift.is_some(), of_nodes)?;
-        let holes: Vec<usize> = (0..nodes.len()).filter(|place| answers[*place].is_none()).collect();
-        let mut values = filled(answers, &lattice)?;
+        let (mut values, holes) = filled(ask(&nodes, lift.is_some(), of_nodes)?, &lattice)?;
         if let Some(lift) = lift {
             let few_axes = axes(task, lift);
             let few = ResponseSurface::nodes(&few_axes);
@@ -145,7 +143,7 @@ impl Table {
             let over = fine.into_iter().zip(coarse).map(|(fine, coarse)| {
                 Some(fine?.iter().zip(coarse?).map(|(fine, coarse)| fine - coarse).collect::<Vec<f64>>())
             });
-            let over = filled(over.collect(), &few_axes)?;
+            let (over, _) = filled(over.collect(), &few_axes)?;
             let lift = ResponseSurface::through(few_axes, loads + BESIDE, over.concat());
             for (at, own) in nodes.iter().zip(&mut values) {
                 own.iter_mut().zip(lift.at(at)).for_each(|(own, lift)| *own += lift);
@@ -181,9 +179,7 @@ impl Table {
     pub fn widened(&self, task: &DesignTask, models: &Models<'_>, stage: &dyn Monitor) -> Option<Self> {
         let lattice = axes(task, Scope::PLANE.nodes);
         let nodes = ResponseSurface::nodes(&lattice);
-        let answers = solved(task, models, &nodes, false, &Part::new(stage, 0.0))?;
-        let holes = (0..nodes.len()).filter(|place| answers[*place].is_none()).collect();
-        let values = filled(answers, &lattice)?;
+        let (values, holes) = filled(solved(task, models, &nodes, false, &Part::new(stage, 0.0))?, &lattice)?;
         let surface = ResponseSurface::through(lattice, self.loads + BESIDE, values.concat());
         Some(Self { surface, holes, ..self.clone() })
     }
@@ -320,8 +316,9 @@ fn solved(
     cached(stage, ("nodes", &content), 1.0, || lengths.par_iter().map(one).collect::<Result<_, _>>()).ok()
 }
 
-/// Gives nodes without values the values of the nearest node that has them; `None` if no node has values.
-pub fn filled(answers: Vec<Option<Vec<f64>>>, axes: &[Axis; 3]) -> Option<Vec<Vec<f64>>> {
+/// Gives nodes without values the values of the nearest node that has them, and returns the values and the indices of
+/// these nodes; `None` if no node has values.
+pub fn filled(answers: Vec<Option<Vec<f64>>>, axes: &[Axis; 3]) -> Option<(Vec<Vec<f64>>, Vec<usize>)> {
     let [_, rows, depths] = axes.map(|axis| axis.nodes);
     let place = |node: usize| [node / (rows * depths), node / depths % rows, node % depths];
     let answered: Vec<(usize, &Vec<f64>)> =
@@ -332,7 +329,9 @@ pub fn filled(answers: Vec<Option<Vec<f64>>>, axes: &[Axis; 3]) -> Option<Vec<Ve
         };
         answered.iter().min_by_key(distance).map(|(_, answer)| (*answer).clone())
     };
-    answers.iter().enumerate().map(|(node, answer)| answer.clone().or_else(|| nearest(node))).collect()
+    let holes = (0..answers.len()).filter(|node| answers[*node].is_none()).collect();
+    let values = answers.iter().enumerate().map(|(node, answer)| answer.clone().or_else(|| nearest(node)));
+    Some((values.collect::<Option<_>>()?, holes))
 }
 
 /// Numbers at the nodes of a lattice, interpolated linearly.
@@ -421,7 +420,7 @@ mod tests {
         let mut answers = vec![None; 16];
         assert_eq!(filled(answers.clone(), &axes), None);
         (answers[2], answers[13]) = (Some(vec![0.5]), Some(vec![0.7]));
-        let values: Vec<f64> = filled(answers, &axes).unwrap().iter().map(|answer| answer[0]).collect();
+        let values: Vec<f64> = filled(answers, &axes).unwrap().0.iter().map(|answer| answer[0]).collect();
         assert_eq!((values[2], values[7], values[9], values[13], values[12]), (0.5, 0.5, 0.7, 0.7, 0.7));
     }
 }

@@ -7,6 +7,7 @@ use slipgrid_infer::calibrate::uncertainty::{CoefficientEstimate, MaterialUncert
 use slipgrid_infer::discrepancy::{
     Conditions, Discrepancy, Features, Hyperparameters, Load as At, Measured, Sensitivity, Trial,
 };
+use slipgrid_laser::export::{Laser, Outline, Specimen};
 use slipgrid_laser::specimen::simulate_on;
 use slipgrid_model::material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_model::pattern::{ManufacturingLimits, Pattern, Planform};
@@ -40,15 +41,22 @@ pub fn task(planform: Planform) -> DesignTask {
         area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.6]).unwrap()),
         provenance: Provenance::default(),
     };
-    let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value: 0.9 });
-    let target = Target::new(Quantity::Ratio, points.to_vec(), 0.02).unwrap();
     let space = DesignSpace::new(planform, [60e-6, 300e-6], [100e-6, 700e-6], [5e-6, 30e-6]).unwrap();
-    let specimen = slipgrid_laser::export::Specimen {
-        outline: slipgrid_laser::export::Outline::Disc { diameter_m: 10e-3 },
-        is_clipped: false,
-    };
+    let specimen = Specimen { outline: Outline::Disc { diameter_m: 10e-3 }, is_clipped: false };
     let layer = Layer { length_m: 10e-3, height_m: 100e-6, block_m: 20e-6, thickness_m: None, holder: None };
-    DesignTask::new(material, target, space, specimen, layer)
+    DesignTask::new(material, near(0.9, 0.02), space, specimen, layer)
+}
+
+/// Target of ratios within `tolerance` of `value` at both pressures.
+fn near(value: f64, tolerance: f64) -> Target {
+    let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value });
+    Target::new(Quantity::Ratio, points.to_vec(), tolerance).unwrap()
+}
+
+/// Random texture of `task`, uniform in the logarithms of the lengths.
+fn random(task: &DesignTask, normals: &mut Normals) -> Pattern {
+    let mut at = |[low, high]: [f64; 2]| low * (high / low).powf(normal_probability(normals.draw()));
+    task.space.pattern(task.space.lengths_m().map(&mut at)).unwrap()
 }
 
 /// Ratios of a texture by the model at the loads of `task`.
@@ -128,8 +136,7 @@ fn three_tasks() -> [DesignTask; 3] {
     let mut task = task(Planform::Groove);
     let scatter = Tolerances { width_std_um: 4.0, spacing_std_um: 6.0, depth_std_um: 0.8, ..Tolerances::default() };
     task.tolerances = Some(scatter);
-    let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value: 0.87 });
-    task.target = Target::new(Quantity::Ratio, points.to_vec(), 0.03).unwrap();
+    task.target = near(0.87, 0.03);
     let trials = vec![
         trial(&task, [100e-6, 300e-6, 10e-6], [0.85, 0.83]),
         trial(&task, [200e-6, 600e-6, 20e-6], [0.80, 0.77]),
@@ -182,11 +189,7 @@ fn no_random_texture_has_a_clearly_greater_chance() {
             let mut normals = Normals::new(7);
             let mut greatest: f64 = 0.0;
             for _ in 0..60 {
-                let lengths_m = task
-                    .space
-                    .lengths_m()
-                    .map(|[low, high]: [f64; 2]| low * (high / low).powf(normal_probability(normals.draw())));
-                let pattern = task.space.pattern(lengths_m).unwrap();
+                let pattern = random(&task, &mut normals);
                 let rough = search.roughly(&pattern).map_or(0.0, |found| found.chance());
                 if rough > 0.5 * best.chance() {
                     greatest = greatest.max(search.solved(&pattern).map_or(0.0, |found| found.chance()));
@@ -335,10 +338,7 @@ fn a_trial_on_target_is_said_and_its_texture_is_the_likeliest() {
 fn what_to_do_follows_from_the_chance_and_from_what_is_within_reach() {
     let base = task(Planform::Groove);
     let advised = |task: &DesignTask| run(task, &mut NoCache, &*KNOWN).unwrap().report;
-    let wanting = |value: f64, tolerance: f64| {
-        let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value });
-        DesignTask { target: Target::new(Quantity::Ratio, points.to_vec(), tolerance).unwrap(), ..base.clone() }
-    };
+    let wanting = |value: f64, tolerance: f64| DesignTask { target: near(value, tolerance), ..base.clone() };
     // Before any trial the advice is a trial, for wide and for unreachable bands.
     for (value, tolerance) in [(0.8, 0.15), (0.05, 0.02)] {
         let trial = advised(&wanting(value, tolerance));
@@ -397,7 +397,7 @@ fn ratios_that_are_predicted_are_those_of_the_specimen() {
     let found = next_trials(&task, &NextOptions { count: 1, ..NextOptions::default() }, &*KNOWN).unwrap();
     let material = &task.material.as_ref().unwrap().material;
     let pattern = Some(found.patterns[0]);
-    let ratios = |extent, specimen: Option<&slipgrid_laser::export::Specimen>| {
+    let ratios = |extent, specimen: Option<&Specimen>| {
         let run = RunOptions { extent, refine: true, seed: task.search.seed, ..RunOptions::default() };
         let run = if specimen.is_some() { run.from_sliding() } else { run };
         let scene = Scene { pattern, ..task.flat_scene(material, task.loads(material).unwrap().0, run) };

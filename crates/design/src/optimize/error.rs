@@ -1,4 +1,4 @@
-//! Errors of targets and bounds.
+//! Errors of targets, bounds and models.
 
 /// Reason why a target, bounds or tolerances were refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -38,6 +38,20 @@ pub enum SearchError {
         /// The second bound, in metres.
         upper_m: f64,
     },
+}
+
+/// Reason why a model gives no result for a design.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ModelFailure {
+    /// Failure of this design only, with the reason; the search continues.
+    #[error("{0}")]
+    Trial(String),
+    /// Failure of all designs, with the reason: the search ends with an error.
+    #[error("{0}")]
+    Broken(String),
+    /// Cancelled: the search ends with its best design so far.
+    #[error("cancelled")]
+    Cancelled,
 }
 
 /// Returns `value` if it is finite and positive, otherwise [`SearchError::OutOfRange`] for `quantity`.

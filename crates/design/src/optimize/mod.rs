@@ -21,14 +21,12 @@
 
 mod constraints;
 mod error;
-mod model;
 mod space;
 mod target;
 mod tolerances;
 
 pub use constraints::{Bound, ConstraintQuantity, Constraints, Limit, Violation};
-pub use error::SearchError;
-pub use model::ModelFailure;
+pub use error::{ModelFailure, SearchError};
 pub use space::DesignSpace;
 pub use target::{Demand, Goal, Quantity, Target, TargetPoint, Wanted};
 pub use tolerances::{Tolerances, with_rim_off};

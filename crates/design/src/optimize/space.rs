@@ -1,7 +1,7 @@
 //! Design space: bounds of width, spacing and depth.
 
 use crate::optimize::SearchError;
-use slipgrid_model::pattern::{Pattern, PatternError, Planform, Texture};
+use slipgrid_model::pattern::{Pattern, PatternError, Texture};
 
 /// Maximum accepted dimension, in metres.
 const LONGEST_M: f64 = 1.0;
@@ -47,11 +47,6 @@ impl DesignSpace {
         &self.texture
     }
 
-    /// The planform of every design.
-    pub const fn planform(&self) -> Planform {
-        self.texture.planform()
-    }
-
     /// Lower and upper bound of the width, in metres.
     pub const fn width_m(&self) -> [f64; 2] {
         self.width_m
@@ -93,6 +88,7 @@ impl DesignSpace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_model::pattern::Planform;
 
     #[test]
     fn bounds_that_mean_nothing_are_refused() {

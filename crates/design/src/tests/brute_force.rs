@@ -1,13 +1,13 @@
 //! Brute-force checks of predicted chances against samples drawn and solved one by one.
 
-use crate::optimize::{DesignSpace, Quantity, Target, TargetPoint};
+use crate::optimize::DesignSpace;
 use slipgrid_base::statistics::cholesky::covariance_factor;
 use slipgrid_base::statistics::{Normals, normal_probability};
 use slipgrid_infer::discrepancy::{Candidate, Features, Scenarios, Sensitivity};
 use slipgrid_model::pattern::{Pattern, Planform};
 use slipgrid_model::springblock::Layer;
 
-use super::{contradicted, searched, steady, taught, three_tasks, trial};
+use super::{contradicted, near, random, searched, steady, taught, three_tasks, trial};
 use crate::search::Search;
 use crate::slopes::slopes;
 
@@ -46,23 +46,16 @@ fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
     (f64::from(hits) / f64::from(count), found.chance())
 }
 
+/// Tests samples that follow the area law, and samples that follow either law: lambda is drawn with all other inputs, and
+/// each sample follows it by the change of its own texture.
 #[test]
 fn a_chance_is_the_share_of_samples_that_are_drawn_and_solved_one_by_one() {
-    searched(&three_tasks()[1], |search| {
-        let (share, chance) = drawn(search, [100e-6, 300e-6, 12e-6], 500);
+    let task = &three_tasks()[1];
+    for task in [task.clone(), contradicted(task)] {
+        let (share, chance) = searched(&task, |search| drawn(search, [100e-6, 300e-6, 12e-6], 500));
         let stderr = (chance * (1.0 - chance) / 500.0).sqrt();
         assert!((share - chance).abs() < 2.5 * stderr, "{share} {chance} +- {stderr}");
-    });
-}
-
-/// Draws lambda with all other inputs; each sample follows lambda by the change of its own texture.
-#[test]
-fn samples_that_follow_either_law_are_in_the_chance() {
-    searched(&contradicted(&three_tasks()[1]), |search| {
-        let (share, chance) = drawn(search, [100e-6, 300e-6, 12e-6], 500);
-        let stderr = (chance * (1.0 - chance) / 500.0).sqrt();
-        assert!((share - chance).abs() < 2.5 * stderr, "{share} {chance} +- {stderr}");
-    });
+    }
 }
 
 /// Tests grooves and squares, without and with trials, near and far from the trials. The remaining difference arises
@@ -80,7 +73,10 @@ fn chances_of_many_textures_are_the_shares_of_samples() {
             for lengths_m in [[100e-6, 300e-6, 12e-6], [80e-6, 500e-6, 8e-6], [200e-6, 650e-6, 20e-6]] {
                 let (share, chance) = drawn(search, lengths_m, count);
                 let stderr = (chance * (1.0 - chance) / f64::from(count)).sqrt().max(1e-3);
-                println!("{:?} {lengths_m:?}: {chance:.3} said, {share:.3} drawn", search.task.space.planform());
+                println!(
+                    "{:?} {lengths_m:?}: {chance:.3} said, {share:.3} drawn",
+                    search.task.space.texture().planform()
+                );
                 worst = worst.max((share - chance).abs() - 2.0 * stderr);
             }
         });
@@ -96,12 +92,7 @@ fn chances_of_many_textures_are_the_shares_of_samples() {
 fn chances_come_true_of_truths_that_are_drawn_from_the_prior() {
     const TRUTHS: usize = 600;
     let mut base = three_tasks()[0].clone();
-    let targets: Vec<Target> = [0.80, 0.87, 0.93]
-        .map(|value| {
-            let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value });
-            Target::new(Quantity::Ratio, points.to_vec(), 0.1).unwrap()
-        })
-        .to_vec();
+    let targets = [0.80, 0.87, 0.93].map(|value| near(value, 0.1));
     let prior = base.material.as_ref().unwrap().uncertainty.learned.clone().unwrap();
     let truths = Scenarios::new(&prior, TRUTHS, 5);
     let cut_m = [100e-6, 300e-6, 10e-6];
@@ -146,17 +137,12 @@ fn no_texture_of_thousands_has_a_clearly_greater_chance() {
     for number in 0..10 {
         let mut task = base[number % 3].clone();
         let value = 0.75 + 0.2 * normal_probability(normals.draw());
-        let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value });
-        task.target = Target::new(Quantity::Ratio, points.to_vec(), 0.02 + 0.01 * (number % 4) as f64).unwrap();
+        task.target = near(value, 0.02 + 0.01 * (number % 4) as f64);
         searched(&task, |search| {
             let best = search.best(&|_| true, 1).solved.remove(0);
             let mut greatest: f64 = 0.0;
             for _ in 0..3000 {
-                let lengths_m = task
-                    .space
-                    .lengths_m()
-                    .map(|[low, high]: [f64; 2]| low * (high / low).powf(normal_probability(normals.draw())));
-                let pattern = task.space.pattern(lengths_m).unwrap();
+                let pattern = random(&task, &mut normals);
                 if search.roughly(&pattern).is_some_and(|found| found.chance() > best.chance() - 0.01)
                     && let Ok(found) = search.solved(&pattern)
                 {

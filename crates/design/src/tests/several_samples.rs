@@ -52,12 +52,12 @@ fn sectors_of_one_disc_hold_what_is_chosen_for_them() {
         assert!(asked(count, true).unwrap_err().to_string().contains(says));
     }
     let mut small = task.clone();
-    small.specimen.outline = slipgrid_laser::export::Outline::Disc { diameter_m: 1e-3 };
+    small.specimen.outline = Outline::Disc { diameter_m: 1e-3 };
     let options = NextOptions { count: 4, one_disc: true, ..NextOptions::default() };
     let refused = next_trials(&small, &options, &*KNOWN).unwrap_err().to_string();
     assert!(refused.contains("expected fewer sectors"), "{refused}");
     // Sectors of a rectangle have a note; names of specimens already cut are not reused.
-    small.specimen.outline = slipgrid_laser::export::Outline::Rectangle { length_m: 12e-3, width_m: 12e-3 };
+    small.specimen.outline = Outline::Rectangle { length_m: 12e-3, width_m: 12e-3 };
     let options = NextOptions { discs: vec![format!("{}, rectangle 1", disc.report.name)], ..options };
     let rectangle = next_trials(&small, &options, &*KNOWN).unwrap().report.text();
     assert!(
@@ -102,13 +102,13 @@ fn what_the_laser_cannot_cut_is_said_with_the_number_of_the_sample() {
     let mut task = task(Planform::Groove);
     task.constraints.limits = ManufacturingLimits { spot_m: Some(20e-6), ..ManufacturingLimits::default() };
     // 20 um spots every 2 um on lines 10 um apart: one pass removes 3.1416 um.
-    task.laser = slipgrid_laser::export::Laser {
+    task.laser = Laser {
         spot_um: Some(20.0),
         repetition_hz: Some(50e3),
         speed_mm_s: Some(100.0),
         hatch_um: Some(10.0),
         depth_per_burst_um: Some(0.2),
-        ..slipgrid_laser::export::Laser::default()
+        ..Laser::default()
     };
     let said = |width_um: f64, depth_um: f64| -> Vec<String> {
         let whole = Pattern::new(Planform::Groove, 120e-6, 300e-6, 4e-6 * std::f64::consts::PI).unwrap();
