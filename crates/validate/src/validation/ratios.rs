@@ -69,7 +69,7 @@ pub struct MeasuredLawRatio {
 }
 
 /// Modelled ratios at one condition, for one factor on the slopes of the surface.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ModelledRatio {
     /// Factor on the slopes of the surface.
     pub slope_factor: f64,

@@ -107,7 +107,7 @@ pub struct PublishedReport {
 
 /// Results of a transient run at one load: whole sample as grooves, from rest. Friction is null where the run gives
 /// none, for the reason that the status states.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TimeReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,

@@ -10,25 +10,16 @@ use slipgrid_design::results::PatternReport;
 pub fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
     let modelled = |slope_factor, ratio_groove: Option<f64>| ModelledRatio {
         slope_factor,
-        rms_slope: None,
         area_law_factor: 1.0,
         dynamic_mean: 0.3,
         ratio_groove,
-        ratio_groove_std: None,
-        mu_groove_std: None,
-        ratio_square_std: None,
-        mu_square_std: None,
         ratio_square: ratio_groove.map(|ratio| 1.0 - 0.125 * (1.0 - ratio)),
         ratio_square_estimate: ratio_groove.map(|ratio| 1.0 - 0.25 * (1.0 - ratio)),
-        ratio_groove_thick_difference: None,
-        ratio_square_thick_difference: None,
         peak_pressure_mpa: 1.0,
         peak_pressure_square_mpa: 1.0,
-        tension_blocks: 0,
-        cavity_closed: false,
-        area_law_extrapolated: false,
         status: "converged",
         status_square: "converged",
+        ..ModelledRatio::default()
     };
     RatioReport {
         measured: MeasuredReport {
@@ -94,19 +85,16 @@ pub fn report() -> ValidationReport {
             mu_flat: Some(0.255),
             mu_flat_stderr: Some(0.0001),
             mu_flat_std: Some(0.003),
-            mu_static_flat: None,
-            mu_static_flat_std: None,
             mu_patterned: Some(0.21),
             mu_patterned_stderr: Some(0.0001),
             mu_patterned_std: Some(0.002),
             mu_static_patterned: Some(0.25),
             mu_static_patterned_std: Some(0.001),
             ratio: Some(0.8235),
-            ratio_stderr: None,
-            ratio_std: None,
             status_flat: "converged",
             status_patterned: "no_onset",
             wall_s: 1.0,
+            ..TimeReport::default()
         }),
         wall_s: 1.0,
         threads: 1,
