@@ -243,7 +243,6 @@ mod tests {
         let svg = friction_loops("t", &[Series { label: "one", points }]).unwrap();
         // A line in the plot and one in the legend, drawn in the first colour.
         assert!(svg.matches("#0072B2").count() == 2 && svg.contains("\nposition (mm)\n"));
-        assert!(matches!(friction_loops("t", &[]), Err(ChartError::Empty { .. })));
     }
 
     #[test]
@@ -259,8 +258,6 @@ mod tests {
         assert_eq!(with.matches("<circle").count(), 2);
         assert!(with.contains("\none &lt;1&gt;\n") && with.contains("\naveraging window\n"));
         assert_eq!(chart(&[repeat(None)]).unwrap().matches("<circle").count(), 0);
-        assert!(matches!(chart(&[]), Err(ChartError::Empty { .. })));
-        assert!(matches!(chart(&[repeat(Some([f64::NAN, 0.3]))]), Err(ChartError::NotFinite { .. })));
     }
 
     #[test]
