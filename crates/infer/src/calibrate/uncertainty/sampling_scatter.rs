@@ -54,7 +54,7 @@ mod tests {
             area_law: Some(AreaLaw::new(vec![0.7e6, 2.6e6, 26e6], vec![1.0, 0.8, 0.2]).unwrap()),
             pattern: Some(Pattern::new(Planform::Groove, 100e-6, 200e-6, 20e-6).unwrap()),
             relief: None,
-            layer: Layer { length_m: 1200e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None },
+            layer: Layer { length_m: 1200e-6, height_m: 50e-6, block_m: 10e-6, thickness_m: None, holder: None },
             loads: vec![Load { pressure_pa: 2e6, friction: LocalFriction::new(0.30, 0.27, 0.05).unwrap() }],
             speed_m_s: 2e-3,
             run,
@@ -93,15 +93,11 @@ mod tests {
         let run = |seed| RunOptions {
             fidelity: Fidelity::Dynamic,
             extent: Extent::Sample,
-            sliding_m: 0.5e-6,
+            sliding_m: 0.3e-6,
             seed,
             ..RunOptions::default()
         };
-        let of = |seed| {
-            let mut scene = scene(run(seed));
-            scene.layer.height_m = 50e-6;
-            simulate(&scene, &Unwatched).unwrap().loads.remove(0)
-        };
+        let of = |seed| simulate(&scene(run(seed)), &Unwatched).unwrap().loads.remove(0);
         let found: Vec<LoadOutcome> = (0..SEEDS).map(of).collect();
         let peaks: Vec<f64> = found.iter().map(|load| load.surface.mu_static.unwrap()).collect();
         let share = spread(&peaks) / sampling_scatter(&found[0], 0.05).mu.unwrap();

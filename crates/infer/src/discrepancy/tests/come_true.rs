@@ -95,7 +95,7 @@ fn check(cuts: &[(f64, bool)]) {
 
 #[test]
 fn stated_chances_come_true() {
-    check(&said_and_came_true(150));
+    check(&said_and_came_true(80));
 }
 
 /// The table of the book, evidence/verification.md.
