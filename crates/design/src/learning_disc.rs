@@ -319,8 +319,7 @@ mod tests {
     fn the_pair_teaches_nearly_as_much_as_the_best_of_all() {
         let prior = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, Vec::new()).unwrap();
         let loads = [0.65e6, 2.6e6].map(|pressure_pa| Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 });
-        let lengths =
-            [60e-6, 150e-6, 300e-6].iter().flat_map(|width| [100e-6, 500e-6].map(|spacing| (*width, spacing)));
+        let lengths = [60e-6, 300e-6].iter().flat_map(|width| [100e-6, 500e-6].map(|spacing| (*width, spacing)));
         let lengths = lengths.flat_map(|(width, spacing)| [5e-6, 30e-6].map(|depth| [width, spacing, depth]));
         let all: Vec<Features> = lengths
             .map(|[width, spacing, depth]| (&Pattern::new(Planform::Groove, width, spacing, depth).unwrap()).into())

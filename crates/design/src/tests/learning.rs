@@ -66,7 +66,9 @@ fn a_pair_that_teaches_clearly_more_replaces_equal_dimensions_and_lies_within_th
 
 #[test]
 fn squares_have_no_direction_and_one_texture_teaches_nothing_new() {
-    let task = within(Planform::Square, [[100e-6, 200e-6], [200e-6, 200e-6], [10e-6, 20e-6]]);
+    let mut task = within(Planform::Square, [[100e-6, 200e-6], [200e-6, 200e-6], [10e-6, 20e-6]]);
+    // A thin layer, for which cells in space take milliseconds.
+    task.layer = Layer { height_m: 40e-6, ..task.layer };
     let found = learn(&task, 2).unwrap();
     assert!(found.report.text().contains("squares have no direction across or along"), "{}", found.report.text());
     assert!(!is_same(&Features::from(&found.patterns[0]), &Features::from(&found.patterns[1])));
