@@ -20,8 +20,8 @@ fn run(scene: &Scene) -> Simulation {
 
 #[test]
 fn ratios_with_rims_in_time_are_those_of_steady_sliding() {
-    for (height_um, warm_start) in [(0.1, false), (0.5, true)] {
-        let scene = scene(height_um, &[0.65, 2.6], Fidelity::Dynamic, Extent::Cell);
+    for (height_um, warm_start, pressure_mpa) in [(0.1, false, 2.6), (0.5, true, 0.65)] {
+        let scene = scene(height_um, &[pressure_mpa], Fidelity::Dynamic, Extent::Cell);
         let steady = run(&Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() });
         let dynamic = run(&Scene { run: RunOptions { warm_start, draws: 4, ..scene.run }, ..scene.clone() });
         for (steady, dynamic) in steady.loads.iter().zip(&dynamic.loads) {
