@@ -48,7 +48,7 @@ const KINDS: [(&str, &str, &str); 10] = [
 ];
 
 /// Every `QUICK_SHARE`-th key is tried in every run.
-const QUICK_SHARE: usize = 24;
+const QUICK_SHARE: usize = 48;
 
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();

@@ -22,7 +22,7 @@ const KINDS: [(&str, usize); 9] = [
 const SLOW: [(&str, usize); 1] = [("space-strip", 2)];
 
 /// Every `QUICK_SHARE`-th scene is compared in every run.
-const QUICK_SHARE: usize = 6;
+const QUICK_SHARE: usize = 12;
 
 /// Materials: a soft polymer, one like polyethylene on cast iron, and a stiff one with friction proportional to load.
 const MATERIALS: [&str; 3] = [
