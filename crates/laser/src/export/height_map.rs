@@ -202,11 +202,13 @@ mod tests {
         ];
         for (texture, outline) in every_kind().into_iter().flat_map(|kind| outlines.map(|outline| (kind, outline))) {
             // Edges at arbitrary places, and edges and centres on the middles of pixels.
-            for (width_m, spacing_m) in [(131.2347e-6, 369.9999e-6), (120e-6, 40e-6)] {
+            // The first pixels are smaller than cavity and pitch, the others similar to them and larger.
+            for (width_m, spacing_m, pixels_um) in
+                [(131.2347e-6, 369.9999e-6, [16.1, 190.0, 777.0]), (120e-6, 40e-6, [10.0, 190.0, 777.0])]
+            {
                 let pattern = Pattern::new(texture, width_m, spacing_m, 5.2e-6).unwrap();
                 for layout in [Layout::new(pattern, outline).unwrap(), Layout::clipped(pattern, outline).unwrap()] {
-                    // Pixels smaller than, similar to and larger than cavity and pitch.
-                    for pixel_um in [10.0, 16.1, 190.0, 777.0] {
+                    for pixel_um in pixels_um {
                         let cut = [None, Some(60.0)].map(|taper_deg| compared(&layout, taper_deg, pixel_um));
                         assert!(pixel_um > 100.0 || cut.iter().all(|&cut| cut > 100), "{layout:?}: {cut:?}");
                     }

@@ -195,27 +195,27 @@ fn read_png(bytes: &[u8]) -> (u32, u32, Vec<f64>, u32) {
 
 #[test]
 fn height_maps_hold_the_area_and_the_volume_of_the_cavities() {
-    for taper_deg in [None, Some(60.0)] {
+    for (place, layout) in layouts().into_iter().enumerate() {
+        // Of whole and clipped cavities on one outline, one has vertical and one has inclined walls.
+        let taper_deg = Some(60.0).filter(|_| (place + place / 2) % 2 == 0);
         let laser = Laser { wall_taper_deg: taper_deg, ..laser() };
-        for layout in layouts() {
-            let map = HeightMap::new(&layout, &laser, Some(4.0)).unwrap();
-            let mut bytes = Vec::new();
-            height_map(&layout, &map, &HEADING, &mut bytes).unwrap();
-            let (columns, rows, heights, per_metre) = read_png(&bytes);
-            assert_eq!(([columns, rows], per_metre), (map.size, 250_000));
-            let removed = heights.iter().map(|height| 1.0 - height).sum::<f64>() * 16e-12;
-            // With vertical walls it is the area, otherwise the volume over the depth. Edges of round and turned
-            // cavities are sampled randomly, those along the raster's axes are off by at most one pixel.
-            let expected = match taper_deg {
-                None => layout.cavity_area_m2(),
-                Some(_) => {
-                    let inset_m = laser.floor_inset_m(5.2e-6);
-                    let area = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m, 0.0).unwrap().area_m2();
-                    layout.iter().map(|c| (c.area_m2() + 4.0 * area(&c, 0.5) + area(&c, 1.0)) / 6.0).sum()
-                }
-            };
-            assert!((removed / expected - 1.0).abs() < 0.035, "{layout:?}: {removed:e} for {expected:e}");
-        }
+        let map = HeightMap::new(&layout, &laser, Some(4.0)).unwrap();
+        let mut bytes = Vec::new();
+        height_map(&layout, &map, &HEADING, &mut bytes).unwrap();
+        let (columns, rows, heights, per_metre) = read_png(&bytes);
+        assert_eq!(([columns, rows], per_metre), (map.size, 250_000));
+        let removed = heights.iter().map(|height| 1.0 - height).sum::<f64>() * 16e-12;
+        // With vertical walls it is the area, otherwise the volume over the depth. Edges of round and turned cavities
+        // are sampled randomly, those along the raster's axes are off by at most one pixel.
+        let expected = match taper_deg {
+            None => layout.cavity_area_m2(),
+            Some(_) => {
+                let inset_m = laser.floor_inset_m(5.2e-6);
+                let area = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m, 0.0).unwrap().area_m2();
+                layout.iter().map(|c| (c.area_m2() + 4.0 * area(&c, 0.5) + area(&c, 1.0)) / 6.0).sum()
+            }
+        };
+        assert!((removed / expected - 1.0).abs() < 0.035, "{layout:?}: {removed:e} for {expected:e}");
     }
     // A millimetre with known squares: lattice points at -0.25, 0 and 0.25 mm, y up.
     let pattern = Pattern::new(Planform::Square, 100e-6, 150e-6, 5e-6).unwrap();

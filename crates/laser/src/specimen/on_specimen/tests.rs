@@ -189,9 +189,10 @@ fn turned_with_its_face_and_its_sliding_direction_a_pattern_has_the_same_ratios(
 fn bands_sample_a_disc() {
     for [width_um, spacing_um, depth_um] in [[400.0, 824.5, 49.4], [130.0, 370.0, 20.0]] {
         let pattern = Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
-        let (scene, layout) = (scene(pattern), DISC.layout(pattern).unwrap());
+        let (mut scene, layout) = (scene(pattern), DISC.layout(pattern).unwrap());
+        scene.layer.block_m = 20e-6;
         let solved = |bands: usize| {
-            let face = face_from_strips(&layout, layout.strips(bands), 10e-6).unwrap();
+            let face = face_from_strips(&layout, layout.strips(bands), 20e-6).unwrap();
             simulate_specimen(&scene, &face, &Unwatched).unwrap().loads
         };
         for (coarse, fine) in solved(BANDS).iter().zip(&solved(4 * BANDS)) {
@@ -253,9 +254,7 @@ fn steady_ratios_on_a_face_are_those_of_the_specimen() {
         let asked = scene(pattern);
         let mut scene = Scene { run: asked.run.on_specimen(pattern.texture()), ..asked };
         (scene.layer.thickness_m, scene.layer.holder) = (Some(7e-3), holder);
-        if planform == Planform::Square {
-            scene.layer.block_m = 20e-6;
-        }
+        scene.layer.block_m = 20e-6;
         // Strips are not tilted.
         let on_face = SteadyOnFace::new(&scene, &pattern.with_rim(None), &DISC, false, &Unwatched).unwrap();
         let cells = steady_ratios(&Scene { run: RunOptions::default(), ..scene.clone() }, &Unwatched).unwrap();
