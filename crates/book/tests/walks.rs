@@ -15,6 +15,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::Instant;
 
+use serde_json::Value;
 use slipgrid_book::console::{LEFT_OUT, blocks, compare, compare_prose};
 use tempfile::TempDir;
 
@@ -167,6 +168,42 @@ fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
     (place, commands, differ)
 }
 
+/// Checks what the main job of the README wrote into `results`: evidence, and files for the laser that agree.
+fn check_main_job(results: &Path) {
+    let read = |name: &str| text(&results.join(name));
+    let result: Value = serde_json::from_str(&read("result.json")).unwrap();
+    let list = |key: &str| result[key].as_array().unwrap().as_slice();
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{value} is no number"));
+    let (expected, modelled, confirmed) = (list("expected"), list("modelled"), list("confirmed"));
+    assert_eq!((expected.len(), modelled.len(), confirmed.len()), (4, 4, 4));
+    for (modelled, confirmed) in modelled.iter().zip(confirmed) {
+        assert!((number(&modelled["ratio"]) - number(&confirmed["ratio"])).abs() < 1e-6);
+        assert!(number(&confirmed["mu_dynamic_stderr"]) < 1e-3 * number(&confirmed["mu_dynamic"]));
+    }
+    assert!(result["advice"] == "trial" && number(&result["chance"]) > 0.01 && !result["trade_offs"].is_null());
+    // The flat sample of the model slides as the measured one does: 0.278 at 2.546 MPa, 15 % humidity.
+    let flat = number(&confirmed[3]["mu_flat"]);
+    assert!((flat - 0.278).abs() < 0.003, "{flat}");
+    assert_eq!(result["material"]["synthetic_surface"], true);
+
+    // The scene runs as it is; steady sliding of its specimen lies near what was confirmed.
+    let mut simulate = program();
+    simulate.current_dir(results).args(["simulate", "scene.toml", "--fidelity", "steady", "--json"]);
+    let steady: Value = serde_json::from_slice(&simulate.output().unwrap().stdout).unwrap();
+    for (steady, confirmed) in steady["results"].as_array().unwrap().iter().zip(confirmed) {
+        let (steady, confirmed) = (number(&steady["ratio"]), number(&confirmed["ratio"]));
+        assert!((steady / confirmed - 1.0).abs() < 0.01, "{steady} {confirmed}");
+    }
+    // Rows of cavities in CSV, polygons in DXF and count on the process sheet agree.
+    let process: toml::Table = read("process.toml").parse().unwrap();
+    let cavities = process["specimen"]["cavities"].as_integer().unwrap();
+    assert_eq!(read("pattern.csv").lines().count() as i64, cavities + 1);
+    assert_eq!(read("pattern.dxf").matches("\nPOLYLINE\n").count() as i64, cavities);
+    for name in ["target.svg", "pattern.svg", "friction-2.6mpa.svg", "interface-2.6mpa.svg"] {
+        assert!(read(name).trim_end().ends_with("</svg>"), "{name}");
+    }
+}
+
 /// Result of a page: number of commands, tables of the book that they wrote, and differences.
 type Walked = (usize, BTreeSet<(String, String)>, Vec<String>);
 
@@ -176,6 +213,9 @@ fn walk_page(page: &Path, listed: &BTreeSet<(String, String)>) -> Walked {
     // What the walk speaks of at its end is there.
     for name in LEFT_BY_WALK.iter().filter(|_| page.ends_with("from-raw-files.md")) {
         assert!(place.path().join(name).is_file(), "{name}");
+    }
+    if page.ends_with("README.md") {
+        check_main_job(&place.path().join("out/ldpe-lower-friction"));
     }
     pictures::compare_shown(page, place.path());
     let out = place.path().join("out");

@@ -76,11 +76,11 @@ fn every_command_ends_and_writes_nothing() {
     let simulate = |scene: &'static str| vec!["simulate", scene, "-o", "out"];
     let mut ended = 0;
     for (args, after_s) in [
-        (simulate("fine.toml"), 0.7),
-        (simulate("dynamic.toml"), 0.7),
-        (simulate("solid.toml"), 0.7),
-        (simulate("solid-dynamic.toml"), 1.5),
-        (vec!["accuracy", "--full", "-o", "out"], 0.7),
+        (simulate("fine.toml"), 0.3),
+        (simulate("dynamic.toml"), 0.3),
+        (simulate("solid.toml"), 0.3),
+        (simulate("solid-dynamic.toml"), 0.5),
+        (vec!["accuracy", "--full", "-o", "out"], 0.3),
         (vec!["area-law", "map.asc", "-o", "out"], 0.5),
         (vec!["surface", "map.asc", "--cavities", "-o", "out"], 0.2),
         (vec!["calibrate", "calibration.toml", "--report", "out"], 0.3),

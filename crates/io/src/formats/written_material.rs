@@ -149,6 +149,7 @@ mod tests {
     use slipgrid_infer::calibrate::{CutSample, Measurement, Selection, Surface, TrialsTask};
     use slipgrid_model::material::{Elastic, Friction};
     use slipgrid_model::pattern::{Pattern, Planform};
+    use std::sync::LazyLock;
 
     fn measurement(force_n: f64, humidity: f64, mu_dynamic: f64) -> Measurement {
         Measurement { force_n, speed_m_s: 2e-3, humidity, mu_dynamic, mu_dynamic_std: 0.002, static_peak: None }
@@ -163,7 +164,7 @@ mod tests {
             name: "squares".into(),
             date: String::new(),
             notes: String::new(),
-            pattern: Pattern::new(Planform::Square, 130e-6, 370e-6, 5.2e-6).unwrap(),
+            pattern: Pattern::new(Planform::Square, 80e-6, 120e-6, 5.2e-6).unwrap(),
             relief: None,
             map: None,
             land: None,
@@ -195,24 +196,32 @@ mod tests {
         }
     }
 
-    /// Checks that the outcome equals the content of its file, and returns it.
-    fn read_back(coefficients: Coefficients, surface: Surface) -> CalibrationOutcome {
+    /// Task and outcome that two tests read.
+    static PER_CONDITION: LazyLock<(CalibrationTask, CalibrationOutcome)> =
+        LazyLock::new(|| calibrated(Coefficients::PerCondition, Surface::RmsSlope(0.0137)));
+
+    fn calibrated(coefficients: Coefficients, surface: Surface) -> (CalibrationTask, CalibrationOutcome) {
         let task = task(coefficients, surface);
         let outcome = slipgrid_infer::calibrate::run(&task, &Unwatched).unwrap();
-        let document = Document::new("m.toml", material_toml(&task, &outcome, None).unwrap());
+        (task, outcome)
+    }
+
+    /// Checks that the outcome of a task equals the content of its file, and returns the file.
+    fn read_back((task, outcome): &(CalibrationTask, CalibrationOutcome)) -> String {
+        let written = material_toml(task, outcome, None).unwrap();
+        let document = Document::new("m.toml", written.clone());
         let (material, uncertainty) = read_known(&document, &document.parse().unwrap(), &(0..0)).unwrap();
         assert_eq!(material, outcome.material);
         assert_eq!(uncertainty, outcome.uncertainty);
         assert!(material.provenance.notes.contains(&"a \"note\"".to_owned()), "{:?}", material.provenance.notes);
-        outcome
+        written
     }
 
     /// A file written before the local law existed.
     #[test]
     fn a_file_without_flat_friction_is_read() {
-        let task = task(Coefficients::PerCondition, Surface::RmsSlope(0.0137));
-        let outcome = slipgrid_infer::calibrate::run(&task, &Unwatched).unwrap();
-        let mut file: toml::Table = material_toml(&task, &outcome, None).unwrap().parse().unwrap();
+        let (task, outcome) = &*PER_CONDITION;
+        let mut file: toml::Table = material_toml(task, outcome, None).unwrap().parse().unwrap();
         assert!(file.remove("flat_friction").is_some());
         let trials = file["learned"]["trial"].as_array_mut().unwrap();
         assert!(trials[0].as_table_mut().unwrap().remove("local_law_change").is_some());
@@ -225,7 +234,8 @@ mod tests {
 
     #[test]
     fn a_material_is_the_one_that_its_file_says() {
-        let each = read_back(Coefficients::PerCondition, Surface::RmsSlope(0.0137));
+        read_back(&PER_CONDITION);
+        let each = &PER_CONDITION.1;
         let own = |force_n: f64, humidity| {
             let pressure_pa = force_n / (std::f64::consts::PI * 25e-6);
             let condition = Condition { speed_m_s: 2e-3, humidity };
@@ -248,10 +258,15 @@ mod tests {
         let changes: Vec<f64> = learned.trials()[0].measured.iter().map(|at| at.sensitivity.local_law).collect();
         assert!(changes[0] > 1e-4 && changes[1] == 0.0 && changes[2] > 1e-4, "{changes:?}");
 
-        let single = read_back(Coefficients::Single, Surface::None);
+        let back = |coefficients, surface| {
+            let both = calibrated(coefficients, surface);
+            let written = read_back(&both);
+            (both.1, written)
+        };
+        let (single, _) = back(Coefficients::Single, Surface::None);
         assert!(matches!(single.material.friction, Friction::Single(_)) && single.material.area_law.is_none());
         assert!(single.uncertainty.flat_friction.is_empty());
-        let fitted = read_back(Coefficients::Single, Surface::FittedScale { bounds_pa: [0.5e6, 50e6] });
+        let (fitted, _) = back(Coefficients::Single, Surface::FittedScale { bounds_pa: [0.5e6, 50e6] });
         assert!(fitted.uncertainty.law_is_fitted && fitted.material.area_law.is_some());
         let synthetic = slipgrid_surface::topography::SelfAffine {
             pixels: 32,
@@ -276,8 +291,7 @@ mod tests {
         .unwrap();
         let surface = slipgrid_infer::calibrate::MapSurface { map, synthetic: true, windows: Some(2), after: None };
         let surface = Surface::Map(Box::new(surface));
-        let of_map = read_back(Coefficients::PerCondition, surface.clone());
-        let written = material_toml(&task(Coefficients::PerCondition, surface), &of_map, None).unwrap();
+        let (of_map, written) = back(Coefficients::PerCondition, surface);
         assert!(written.contains("\npixel_um = 31.25\npixel_y_um = 62.5\n"), "{written}");
         assert!(of_map.material.provenance.synthetic_surface);
         assert!(of_map.material.area_law.unwrap().factor_std().is_some());
