@@ -22,8 +22,11 @@ pub enum Advice {
     Trial,
     /// Cut nothing new: the trial with this name and texture is on target.
     TrialMeetsIt(String),
-    /// Cut nothing: no texture has a median within the accepted band.
-    CannotBeMet,
+    /// Cut nothing: no texture has a median within the accepted band, or none keeps all limits.
+    CannotBeMet {
+        /// Whether a texture within the bounds keeps all limits.
+        keeps_limits: bool,
+    },
     /// Cut nothing: the flat surface is on target or is best by the goal.
     DoNotTexture,
 }
@@ -42,13 +45,16 @@ impl Advice {
         if is_flat_best {
             return Self::DoNotTexture;
         }
+        if best.texture.excess > 0.0 {
+            return Self::CannotBeMet { keeps_limits: false };
+        }
         if let Some(trial) = asked.met_by() {
             return Self::TrialMeetsIt(named(trial));
         }
         // Before any trial the model error is unknown, so only a trial can be advised.
         let has_trials = !asked.learned.trials().is_empty();
         if !is_within_reach && asked.has_demands() && has_trials {
-            return Self::CannotBeMet;
+            return Self::CannotBeMet { keeps_limits: true };
         }
         let is_nearby = asked.learned.trials().iter().any(|trial| is_near(trial, &best.texture.features));
         if best.chance() >= SERIES && is_nearby { Self::Series } else { Self::Trial }
@@ -60,7 +66,7 @@ impl Advice {
             Self::Series => "series",
             Self::Trial => "trial",
             Self::TrialMeetsIt(_) => "trial_meets_it",
-            Self::CannotBeMet => "cannot_be_met",
+            Self::CannotBeMet { .. } => "cannot_be_met",
             Self::DoNotTexture => "do_not_texture",
         }
     }
@@ -80,7 +86,11 @@ impl Advice {
             Self::TrialMeetsIt(trial) => format!(
                 "nothing need be cut: trial {trial} already meets the target; the likeliest other texture has a chance of {chance}"
             ),
-            Self::CannotBeMet => format!(
+            Self::CannotBeMet { keeps_limits: false } => {
+                "this target cannot be met: no texture within the bounds keeps all limits; this one breaks them least"
+                    .to_owned()
+            }
+            Self::CannotBeMet { keeps_limits: true } => format!(
                 "this target cannot be met within the bounds and limits: no texture is expected to lie within it; the likeliest has a chance of {chance}"
             ),
             Self::DoNotTexture => "do not texture: the flat surface is what is asked for".to_owned(),

@@ -213,19 +213,20 @@ impl Explorer {
             numbers.push((chance / (1.0 - chance)).ln());
             numbers
         };
+        let beside_of = |pattern: &Pattern, run: Option<&Simulation>| {
+            let answer = search.table.at(pattern)?.1;
+            let peak_pa = run.map_or_else(|| answer.peak_pressure_pa(), Simulation::peak_pressure_pa);
+            Some([
+                PRESSURE_MPA.from_si(peak_pa).ln(),
+                answer.clearance_um.unwrap_or_else(|| LENGTH_UM.from_si(pattern.depth_m())),
+                task.specimen.layout(*pattern).ok()?.areal_density(),
+                task.laser_time_s(pattern).unwrap_or(0.0),
+                answer.least_pressure,
+            ])
+        };
         let node = |lengths_um: &[f64; 3]| {
             let (pattern, found) = predicted(lengths_um)?;
-            let answer = search.table.at(&pattern)?.1;
-            let mut numbers = numbers_of(&found);
-            let laid = task.specimen.layout(pattern).ok()?;
-            numbers.extend([
-                PRESSURE_MPA.from_si(answer.peak_pressure_pa()).ln(),
-                answer.clearance_um.unwrap_or_else(|| LENGTH_UM.from_si(pattern.depth_m())),
-                laid.areal_density(),
-                task.laser_time_s(&pattern).unwrap_or(0.0),
-                answer.least_pressure,
-            ]);
-            Some(numbers)
+            Some([&numbers_of(&found)[..], &beside_of(&pattern, None)?].concat())
         };
         let nodes = ResponseSurface::nodes(&axes);
         let answers: Vec<Option<Vec<f64>>> = nodes.par_iter().map(node).collect();
@@ -234,8 +235,7 @@ impl Explorer {
         }
         let (all, holes) = filled(answers, &axes)?;
         let mut reported = numbers_of(about);
-        // The logarithm of the maximum pressure follows the log odds.
-        reported.extend(run.map(|run| PRESSURE_MPA.from_si(run.peak_pressure_pa()).ln()));
+        reported.extend(beside_of(&about.texture.pattern, run).into_iter().flatten());
         let all = self_consistent(all, &axes, (&nodes, &holes), about, &reported);
         let (expected, log_odds) = (surface(&axes, &all, 0..3 * loads), surface(&axes, &all, 3 * loads..3 * loads + 1));
         let beside = surface(&axes, &all, 3 * loads + 1..3 * loads + 6);

@@ -137,7 +137,7 @@ fn reported(
     let slopes = slopes(search, best);
     let (trade_offs, compared) = trade_offs::of(search, best).unzip();
     let own = best.full_report(search);
-    let worth_cutting = if advice == Advice::CannotBeMet { 1 } else { 1 + OTHERS };
+    let worth_cutting = if matches!(advice, Advice::CannotBeMet { .. }) { 1 } else { 1 + OTHERS };
     let others = search.unlike(&found.solved, 1, worth_cutting);
     let others = others.iter().skip(1).map(|of| of.report(search).beside(&own)).collect();
     timings.trade_offs = monitor.seconds() - beside_s;

@@ -177,8 +177,10 @@ fn a_page_begins_with_what_is_reported_of_its_design() {
         assert!((1.0 / (1.0 + (-log_odds).exp()) - best.chance()).abs() < 1e-9, "{log_odds} {}", best.chance());
         let medians = explorer.expected.at(&about_um);
         assert!(medians.iter().zip(best.medians()).all(|(own, median)| (own - median).abs() < 1e-9), "{medians:?}");
-        let peak_mpa = explorer.beside.at(&about_um)[0].exp();
-        assert!((peak_mpa / (1e-6 * run.peak_pressure_pa()) - 1.0).abs() < 1e-9, "{peak_mpa}");
+        let beside = explorer.beside.at(&about_um);
+        assert!((beside[0].exp() / (1e-6 * run.peak_pressure_pa()) - 1.0).abs() < 1e-9, "{beside:?}");
+        let face = search.task.specimen.layout(best.texture.pattern).unwrap();
+        assert!((beside[2] / face.areal_density() - 1.0).abs() < 1e-9, "{beside:?}");
     });
 }
 
@@ -348,6 +350,11 @@ fn what_to_do_follows_from_the_chance_and_from_what_is_within_reach() {
     }
     let flat = advised(&wanting(0.97, 0.05));
     assert_eq!(flat.advice, "do_not_texture");
+    // No texture lowers the peak pressure below the nominal one.
+    let mut limited = wanting(0.85, 0.03);
+    limited.constraints.quantities.push(ConstraintQuantity::PeakPressure.limited_to(1.0e6));
+    let broken = advised(&limited);
+    assert!(broken.advice == "cannot_be_met" && broken.words.contains("keeps all limits"), "{}", broken.words);
     // A target above the flat surface, and one below the expected ratio of any texture after a trial.
     let cut = trial(&base, [100e-6, 300e-6, 10e-6], [0.9, 0.88]);
     for value in [1.4, 0.05] {

@@ -125,8 +125,9 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     candidates
         .into_iter()
         .map(|candidate| {
-            // A key that differs only in its unit is the most probable.
-            let same_quantity = stem(name).is_some_and(|quantity| stem(candidate) == Some(quantity));
+            // A key that differs only in its unit, or lacks it, is the most probable.
+            let same_quantity =
+                stem(candidate).is_some_and(|quantity| quantity == name || stem(name) == Some(quantity));
             (if same_quantity { 0 } else { levenshtein(name, candidate) }, candidate)
         })
         .filter(|&(distance, _)| distance <= most)
@@ -151,6 +152,7 @@ mod tests {
             ("width_mm", Some("width_um")),
             ("depth_m", Some("depth_um")),
             ("plan_form", Some("planform")),
+            ("width", Some("width_um")),
             ("humidity_pct", None),
         ] {
             assert_eq!(nearest(written, keys), meant, "{written}");
