@@ -5,19 +5,19 @@ use crate::rooms::{code, root, sources};
 /// Upper limits of the lines of code of each crate. A crate that grows beyond its limit raises the limit in the same
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
-    ("base", 1_750),
+    ("base", 1_700),
     ("model", 14_800),
-    ("surface", 10_500),
+    ("surface", 10_300),
     ("traces", 2_950),
-    ("laser", 4_650),
-    ("infer", 5_850),
-    ("design", 7_100),
-    ("io", 9_750),
-    ("report", 7_500),
+    ("laser", 4_550),
+    ("infer", 5_650),
+    ("design", 6_550),
+    ("io", 9_450),
+    ("report", 7_250),
     ("validate", 2_850),
     ("slipgrid", 100),
     ("studio", 1_450),
-    ("cli", 2_700),
+    ("cli", 2_650),
     ("book", 570),
     ("python", 1_600),
 ];
