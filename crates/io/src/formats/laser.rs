@@ -286,7 +286,14 @@ mod tests {
         assert_eq!(laser.depth_per_burst_um, Some(law.depth_per_burst_um));
         for (laser, says) in [
             (ABLATION.replace("fluence_j_cm2 = 4.0", ""), "laser.fluence_j_cm2: is missing"),
-            (ABLATION.replace("fluence_j_cm2 = 4.0", "fluence_j_cm2 = 0.4"), "above the fitted threshold"),
+            (
+                ABLATION.replace("fluence_j_cm2 = 4.0", "fluence_j_cm2 = 0.4"),
+                "laser.fluence_j_cm2: 0.4 J/cm2 removes nothing",
+            ),
+            (
+                "fluence_j_cm2 = 4.0".to_owned(),
+                "a.toml:2: laser.fluence_j_cm2: 4.0 J/cm2 gives no depth without [laser.ablation]",
+            ),
             (ABLATION.replace(", 2.22]", "]"), "4, one for each fluence"),
             (
                 "spot_um = 20.0\nhatch_um = 21.0".to_owned(),

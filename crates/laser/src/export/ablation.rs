@@ -160,7 +160,7 @@ mod tests {
         let refused = |points: &[AblationPoint], fluence| Ablation::fit(points, fluence).unwrap_err().to_string();
         assert!(refused(&good[..2], 2.0).contains("three"));
         assert!(refused(&[good[0], good[0], good[1], good[1]], 2.0).contains("2 different"));
-        assert!(refused(&points(|f| 5.0 - f / 2.0, None), 2.0).contains("grows with fluence"));
+        assert!(refused(&points(|f| 5.0 - f / 2.0, None), 2.0).contains("do not grow with fluence"));
         assert!(refused(&good, 0.49).contains("above the fitted threshold"));
         assert!(refused(&good, f64::NAN).contains("fluence_j_cm2"));
         assert!(refused(&points(|_| -1.0, None), 2.0).contains("depth_um"));
