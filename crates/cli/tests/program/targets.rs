@@ -112,8 +112,8 @@ fn a_killed_run_is_resumed_and_ends_with_the_same_bytes() {
 fn what_keeps_a_target_out_of_reach_is_said_and_lifting_it_suffices() {
     let text = trusted(&free(&design("value = [0.9, 0.82]\ntolerance = 0.03", "min_bearing_area = 0.85")));
     let place = Place::with(&[("far.toml", &text)]);
-    let (told, found) = optimized(&place, "far.toml", 0);
-    assert!(found["advice"] == "trial" && told.contains("no texture is expected to lie within it"), "{told}");
+    let (told, found) = optimized(&place, "far.toml", 3);
+    assert!(found["advice"] == "cannot_be_met" && told.contains("keeps all limits"), "{told}");
     let blocked = &found["blocked_by"][0];
     assert_eq!(
         (&blocked["what"], &blocked["is_within_reach"]),

@@ -991,7 +991,6 @@ class Mechanism(Record):
 
     mechanism: str
     weight: float
-    error_quotient: list[float]
     loads: list[SectorRatios]
 
 
