@@ -24,7 +24,7 @@ pub enum Advice {
     TrialMeetsIt(String),
     /// Cut nothing: no texture has a median within the accepted band, or none keeps all limits.
     CannotBeMet {
-        /// Whether a texture within the bounds keeps all limits.
+        /// Whether the best texture, as it would be cut, keeps all limits.
         keeps_limits: bool,
     },
     /// Cut nothing: the flat surface is on target or is best by the goal.
@@ -45,11 +45,11 @@ impl Advice {
         if is_flat_best {
             return Self::DoNotTexture;
         }
-        if best.texture.excess > 0.0 {
-            return Self::CannotBeMet { keeps_limits: false };
-        }
         if let Some(trial) = asked.met_by() {
             return Self::TrialMeetsIt(named(trial));
+        }
+        if best.texture.excess > 0.0 {
+            return Self::CannotBeMet { keeps_limits: false };
         }
         // Before any trial the model error is unknown, so only a trial can be advised.
         let has_trials = !asked.learned.trials().is_empty();
@@ -87,7 +87,7 @@ impl Advice {
                 "nothing need be cut: trial {trial} already meets the target; the likeliest other texture has a chance of {chance}"
             ),
             Self::CannotBeMet { keeps_limits: false } => {
-                "this target cannot be met: no texture within the bounds keeps all limits; this one breaks them least"
+                "this target cannot be met: no texture found keeps all limits as it would be cut; this one breaks them least"
                     .to_owned()
             }
             Self::CannotBeMet { keeps_limits: true } => format!(

@@ -201,7 +201,7 @@ impl Explorer {
             if search.stage.cancelled() {
                 return None;
             }
-            let found = search.roughly_with(&pattern, &off, &about.texture.covariance)?;
+            let found = search.roughly_with(&pattern, &off, &about.texture.covariance, 1.0)?;
             Some((pattern, found))
         };
         // Medians and 95 % intervals of samples in the quantity of the target, and the log odds.

@@ -3,7 +3,7 @@
 
 use crate::results::{VERSION, load_reports, measured_range, section_note};
 use slipgrid_base::monitor::{CachingMonitor, Monitor};
-use slipgrid_base::units::tidy;
+use slipgrid_base::units::{PRESSURE_MPA, tidy};
 use slipgrid_laser::export::{Removal, burst_warnings};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Load, Scene, Simulation};
@@ -13,7 +13,7 @@ use crate::advice::Advice;
 use crate::blocked::{blocked_by, bounds_reached};
 use crate::confirmation::confirm;
 use crate::design_report::{DesignReport, GoalReport, SCHEMA};
-use crate::evaluation_cache::EvaluationCache;
+use crate::evaluation_cache::{Answer, EvaluationCache};
 use crate::explorer::Explorer;
 use crate::lattice_table::Lattice;
 use crate::operating_conditions::statements;
@@ -135,7 +135,7 @@ fn reported(
     let can_gain = asked.has_demands() && !is_out_of_reach && matches!(advice, Advice::Trial | Advice::Series);
     let reached = if can_gain { bounds_reached(task, &pattern) } else { Vec::new() };
     let slopes = slopes(search, best);
-    let (trade_offs, compared) = trade_offs::of(search, best).unzip();
+    let (trade_offs, compared) = trade_offs::of(search, best, &found.solved).unzip();
     let own = best.full_report(search);
     let worth_cutting = if matches!(advice, Advice::CannotBeMet { .. }) { 1 } else { 1 + OTHERS };
     let others = search.unlike(&found.solved, 1, worth_cutting);
@@ -170,7 +170,10 @@ fn reported(
         said.model(format!("{}; beyond that the nearest measurement's coefficients were taken", measured_range(range)));
     }
     said.model.extend(section.map(section_note));
-    let answer = search.models.own.steady(&pattern);
+    // The outer lands of the specimen that was run may carry a higher pressure than the cell.
+    let of_run_mpa = PRESSURE_MPA.from_si(confirmed.peak_pressure_pa());
+    let of_specimen = |cell: Answer| Answer { peak_pressure_mpa: cell.peak_pressure_mpa.max(of_run_mpa), ..cell };
+    let answer = search.models.own.steady(&pattern).map(of_specimen);
     let broken = answer.and_then(|answer| search.violations(&pattern, &answer)).unwrap_or_default();
     let report = DesignReport {
         program: "slipgrid".into(),

@@ -10,7 +10,7 @@ mod ranking;
 
 use std::sync::Arc;
 
-use crate::optimize::{ConstraintQuantity, ModelFailure, Violation};
+use crate::optimize::{ConstraintQuantity, Limit, ModelFailure, Violation};
 use rayon::prelude::*;
 use slipgrid_base::monitor::{Monitor, Part as Share, cached};
 use slipgrid_infer::discrepancy::{Features, Predictor};
@@ -109,12 +109,20 @@ struct Progress {
     off: BetweenDesigns,
     /// Effect of the specimen's ends, pressure tilt and time on ln R, interpolated between textures solved as cut.
     by_cutting: BetweenDesigns,
+    /// Logarithm of the peak pressure in the run of a specimen over that of its cell, interpolated between textures
+    /// solved as cut; empty without a limit of this pressure.
+    peak_by_run: BetweenDesigns,
 }
 
 impl Progress {
     fn is_known(&self, design: &Pattern) -> bool {
         let own = Features::from(design);
         self.refused.contains(design) || self.solved.iter().any(|of| is_same(&of.texture.features, &own))
+    }
+
+    /// Peak pressure in the run of a specimen of `design` over that of its cell; 1 if no run is known.
+    fn run_over_cell(&self, design: &Pattern) -> f64 {
+        self.peak_by_run.at(design).map_or(1.0, |log| log[0].exp())
     }
 
     /// Covariance of ln R from errors that all samples share, taken from the solved texture nearest to `design`; empty
@@ -130,9 +138,11 @@ impl Progress {
 }
 
 impl Search<'_> {
-    /// Sum of the violations of limits by `pattern` with the model's `answer`, each relative to its limit.
-    fn excess(&self, pattern: &Pattern, answer: &Answer) -> Result<f64, ModelFailure> {
-        Ok(self.violations(pattern, answer)?.iter().map(Violation::excess).sum())
+    /// Sum of the violations of limits by `pattern` with the model's `answer` and `peak` times its peak pressure, each
+    /// relative to its limit.
+    fn excess(&self, pattern: &Pattern, answer: &Answer, peak: f64) -> Result<f64, ModelFailure> {
+        let answer = Answer { ratio: Vec::new(), peak_pressure_mpa: peak * answer.peak_pressure_mpa, ..*answer };
+        Ok(self.violations(pattern, &answer)?.iter().map(Violation::excess).sum())
     }
 
     /// Lists the limits that `pattern` with the model's `answer` violates.
@@ -148,26 +158,41 @@ impl Search<'_> {
     /// Interpolates `pattern` in the table; `None` next to a node that the model cannot compute, if cavities close
     /// under load, or if the specimen does not take `pattern`.
     pub fn interpolated(&self, pattern: &Pattern) -> Option<CutTexture> {
+        self.interpolated_with(pattern, 1.0)
+    }
+
+    /// Like [`Self::interpolated`], with `peak` times the peak pressure of the cell.
+    fn interpolated_with(&self, pattern: &Pattern, peak: f64) -> Option<CutTexture> {
         let (modelled, answer) = self.table.at(pattern)?;
         let shifts = self.table.dimension_shifts(pattern, &self.task.tolerances.unwrap_or_default())?;
         let texture = CutTexture::interpolated(*pattern, modelled, shifts);
         let texture = texture.moved(&self.table.by_blocks(pattern)).moved(&self.table.by_face(pattern));
-        Some(CutTexture { excess: self.excess(pattern, &answer).ok()?, ..texture })
+        Some(CutTexture { excess: self.excess(pattern, &answer, peak).ok()?, ..texture })
     }
 
     /// Interpolates `pattern` in the table, corrected by the known errors of the table at solved textures.
     fn corrected(&self, pattern: &Pattern, known: &Progress) -> Option<CutTexture> {
-        let texture = self.interpolated(pattern)?.moved(&known.off.at(pattern).unwrap_or_default());
+        let texture = self.interpolated_with(pattern, known.run_over_cell(pattern))?;
+        let texture = texture.moved(&known.off.at(pattern).unwrap_or_default());
         let texture = texture.moved(&known.by_cutting.at(pattern).unwrap_or_default());
         Some(CutTexture { covariance: known.covariance(pattern), ..texture })
     }
 
     /// Solved textures, sorted by decreasing value; those not solved as cut include the interpolated effect of the
-    /// specimen's ends, pressure tilt and time.
+    /// specimen's ends, pressure tilt and time, also on the peak pressure where that is limited.
     fn ordered(&self, known: &mut Progress) -> Vec<Prediction> {
-        let one = |of: &Prediction| match known.by_cutting.at(&of.texture.pattern) {
-            Some(by) if of.texture.known < Known::AsCut => self.predicted(of.texture.clone().moved(&by)),
-            _ => of.clone(),
+        let one = |of: &Prediction| {
+            let pattern = &of.texture.pattern;
+            let Some(by) = known.by_cutting.at(pattern).filter(|_| of.texture.known < Known::AsCut) else {
+                return of.clone();
+            };
+            let mut texture = of.texture.clone().moved(&by);
+            let peak = known.run_over_cell(pattern);
+            if peak != 1.0 {
+                let cell = self.models.own.steady(pattern);
+                texture.excess = cell.and_then(|cell| self.excess(pattern, &cell, peak)).unwrap_or(texture.excess);
+            }
+            self.predicted(texture)
         };
         let fresh: Vec<Prediction> = known.solved[known.with_cutting.len()..].par_iter().map(one).collect();
         known.with_cutting.extend(fresh);
@@ -183,10 +208,11 @@ impl Search<'_> {
         self.interpolated(pattern).map(|texture| self.predicted(texture))
     }
 
-    /// Predicts `pattern` for a lattice by the table, with the correction `off` of ln R at each load and the covariance
-    /// of ln R from shared errors.
-    pub fn roughly_with(&self, pattern: &Pattern, off: &[f64], covariance: &[f64]) -> Option<Prediction> {
-        let texture = CutTexture { covariance: covariance.to_vec(), ..self.interpolated(pattern)?.moved(off) };
+    /// Predicts `pattern` for a lattice by the table, with the correction `off` of ln R at each load, the covariance of
+    /// ln R from shared errors, and `peak` times the peak pressure.
+    pub fn roughly_with(&self, pattern: &Pattern, off: &[f64], covariance: &[f64], peak: f64) -> Option<Prediction> {
+        let texture = self.interpolated_with(pattern, peak)?.moved(off);
+        let texture = CutTexture { covariance: covariance.to_vec(), ..texture };
         Some(Prediction::new(texture, &self.of_lattices, self.asked))
     }
 
@@ -227,7 +253,7 @@ impl Search<'_> {
         }
         let parts = self.inputs.parts(pattern, &ratio, refined.map(|(_, open)| open))?;
         let answer = self.models.own.steady(pattern)?;
-        let excess = self.excess(pattern, &answer)?;
+        let excess = self.excess(pattern, &answer, 1.0)?;
         let texture = CutTexture::interpolated(*pattern, modelled, Vec::new()).with_parts(parts);
         let texture = CutTexture { ratio, known: Known::Solved, excess, ..texture };
         Ok(self.predicted(texture.moved(&self.table.by_face(pattern))))
@@ -283,9 +309,11 @@ impl Search<'_> {
     /// Relative excess of the maximum pressure of `run` over its limit; 0 without a limit. The outer lands of a
     /// specimen carry a higher pressure than an infinite pattern, and stick-slip adds to it.
     fn excess_of(&self, run: &Simulation) -> f64 {
-        let mut limits = self.task.constraints.quantities.iter();
-        let limit = limits.find(|limit| limit.quantity == ConstraintQuantity::PeakPressure);
-        limit.map_or(0.0, |limit| limit.excess(run.peak_pressure_pa()).max(0.0))
+        self.peak_limit().map_or(0.0, |limit| limit.excess(run.peak_pressure_pa()).max(0.0))
+    }
+
+    fn peak_limit(&self) -> Option<&Limit> {
+        self.task.constraints.quantities.iter().find(|limit| limit.quantity == ConstraintQuantity::PeakPressure)
     }
 
     /// Finds the textures of maximum value among those that the filter `open` allows: the first is solved as cut, the
@@ -322,6 +350,12 @@ impl Search<'_> {
             let found = self.as_cut(own);
             let by = found.texture.ratio.iter().zip(&own.texture.ratio).map(|(cut, solved)| (cut / solved).ln());
             known.by_cutting.learn([(pattern, by.collect())]);
+            if let Some(run) = found.texture.run.as_ref().filter(|_| self.peak_limit().is_some())
+                && let Ok(cell) = self.models.own.steady(&pattern)
+            {
+                let log = (run.peak_pressure_pa() / cell.peak_pressure_pa()).ln();
+                known.peak_by_run.learn([(pattern, vec![log])]);
+            }
             *own = found;
             known.with_cutting.clear();
             solved = self.ordered(&mut known);
@@ -440,8 +474,8 @@ impl Search<'_> {
     }
 }
 
-/// Sorts by decreasing value; equal values keep their order.
+/// Sorts by decreasing value, and by decreasing chance where textures break limits equally.
 fn sorted(mut all: Vec<Prediction>) -> Vec<Prediction> {
-    all.sort_by(|a, b| b.value().total_cmp(&a.value()));
+    all.sort_by(|a, b| b.value().total_cmp(&a.value()).then(b.chance().total_cmp(&a.chance())));
     all
 }

@@ -12,6 +12,7 @@ use slipgrid_laser::specimen::simulate_on;
 use slipgrid_model::material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_model::pattern::{ManufacturingLimits, Pattern, Planform};
 use slipgrid_model::springblock::{Effect, Extent, Layer, LoadOutcome, RunOptions, Scene, even_speed_m_s};
+use std::sync::atomic::AtomicBool;
 use std::sync::{LazyLock, Mutex};
 
 mod brute_force;
@@ -182,6 +183,23 @@ fn a_page_begins_with_what_is_reported_of_its_design() {
         let face = search.task.specimen.layout(best.texture.pattern).unwrap();
         assert!((beside[2] / face.areal_density() - 1.0).abs() < 1e-9, "{beside:?}");
     });
+}
+
+/// The outer lands of a specimen carry a higher pressure than the cell: a limit between both is broken by the run.
+#[test]
+fn a_limit_that_only_the_run_of_the_best_breaks_is_kept_by_another_texture() {
+    let mut task = three_tasks()[1].clone();
+    let best = |search: &Search<'_>| {
+        let best = search.best(&|_| true, 1).solved.remove(0);
+        let cell_pa = search.models.own.steady(&best.texture.pattern).unwrap().peak_pressure_pa();
+        (best.texture.excess, best.texture.pattern, cell_pa, best.texture.run.unwrap().peak_pressure_pa())
+    };
+    let (_, free, cell_pa, run_pa) = searched(&task, best);
+    assert!(run_pa > 1.01 * cell_pa, "{run_pa} {cell_pa}");
+    let limit_pa = (run_pa * cell_pa).sqrt();
+    task.constraints.quantities.push(ConstraintQuantity::PeakPressure.limited_to(limit_pa));
+    let (excess, kept, _, run_pa) = searched(&task, best);
+    assert!(kept != free && excess == 0.0 && run_pa <= limit_pa, "{excess} {kept:?} {run_pa} {limit_pa}");
 }
 
 #[test]
@@ -471,15 +489,6 @@ impl Monitor for Shares {
     }
 }
 
-/// Monitor that has cancelled already.
-struct Over;
-
-impl Monitor for Over {
-    fn cancelled(&self) -> bool {
-        true
-    }
-}
-
 #[test]
 fn every_stage_comes_to_its_whole_and_a_search_that_is_over_asks_nothing() {
     let task = task(Planform::Groove);
@@ -488,6 +497,7 @@ fn every_stage_comes_to_its_whole_and_a_search_that_is_over_asks_nothing() {
     let all = shares.0.into_inner().unwrap();
     assert_eq!(all.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["table", "search"]);
     assert!(all.iter().all(|(_, share)| (share - 1.0).abs() < 0.2), "{all:?}");
-    assert!(matches!(next_trials(&task, &NextOptions::default(), &Over), Err(DesignError::Cancelled)));
-    assert!(matches!(run(&task, &mut NoCache, &Over), Err(DesignError::Cancelled)));
+    let over = AtomicBool::new(true);
+    assert!(matches!(next_trials(&task, &NextOptions::default(), &over), Err(DesignError::Cancelled)));
+    assert!(matches!(run(&task, &mut NoCache, &over), Err(DesignError::Cancelled)));
 }

@@ -74,19 +74,21 @@ impl ListedDesign {
     }
 }
 
-/// Compares textures within the bounds and limits of `search` by the goals of its task, `best` among them; `None` if the
-/// task has no goals.
-pub fn of(search: &Search<'_>, best: &Prediction) -> Option<(TradeOffsReport, Compared)> {
-    let wanted = search.task.trade_offs.clone()?;
+/// Compares textures within the bounds and limits of `search`, those that it `solved` and `best`, one of these, among
+/// them, by the goals of its task; `None` if the task has no goals, or `best` breaks a limit.
+pub fn of(search: &Search<'_>, best: &Prediction, solved: &[Prediction]) -> Option<(TradeOffsReport, Compared)> {
+    let wanted = search.task.trade_offs.clone().filter(|_| best.texture.excess == 0.0)?;
     let own = best.texture.pattern;
-    let patterns = Steps::new(search.task).spread(wanted.designs);
+    let mut patterns = Steps::new(search.task).spread(wanted.designs);
+    let solved = solved.iter().map(|of| of.texture.pattern).filter(|pattern| !patterns.contains(pattern));
+    patterns.extend(solved.collect::<Vec<_>>());
     let off = search.off_at(best);
     // The run of a specimen adds borders and stick-slip to the peak pressure by the table: taken as equal for all.
     let peak_off = best.texture.run.as_ref().zip(search.table.at(&own));
     let peak_off = peak_off.map_or(1.0, |(run, (_, own))| run.peak_pressure_pa() / own.peak_pressure_pa());
     let value = |found: &Prediction, goal: &TradeOffGoal| value(search, found, *goal, peak_off);
     let one = |pattern: &Pattern| {
-        let found = search.roughly_with(pattern, &off, &best.texture.covariance);
+        let found = search.roughly_with(pattern, &off, &best.texture.covariance, peak_off);
         let found = found.filter(|found| found.texture.excess == 0.0 && !search.stage.cancelled())?;
         let goals = wanted.goals.iter().map(|goal| value(&found, goal)).collect::<Option<Vec<f64>>>()?;
         Some(TradeOff { design: *pattern, goals })

@@ -63,7 +63,7 @@ impl Search<'_> {
         };
         let is_within_reach =
             scored.iter().any(|(.., is_within)| *is_within) || others.par_iter().any(has_median_within);
-        scored.sort_by(|a, b| b.1.total_cmp(&a.1));
+        scored.sort_by(|a, b| b.1.total_cmp(&a.1).then(b.2.total_cmp(&a.2)));
         let greatest = scored.first().map_or(0.0, |(_, _, chance, _)| *chance);
         let has_chances = self.asked.goal.is_none() && least <= 0.0;
         let enough = if has_chances { OF_CHANCE * greatest } else { f64::NEG_INFINITY };
