@@ -113,6 +113,7 @@ fn files() -> Place {
         ("calibration.toml", CALIBRATION),
         ("material.toml", MATERIAL),
         ("campaign.toml", CAMPAIGN),
+        ("design-conditions.toml", include_str!("inputs/design-conditions.toml")),
         ("calibration-traces.toml", include_str!("inputs/calibration-traces.toml")),
         ("flat.csv", TABLE),
         ("trial.csv", include_str!("inputs/trial.csv")),

@@ -121,7 +121,7 @@ impl Console<'_> {
     /// Replaces an earlier result in `folder` by `outputs`, and prints a note.
     ///
     /// # Errors
-    /// [`CliError`], as for [`ResultFolder::replace`].
+    /// [`CliError`] if a file cannot be written; see [`ResultFolder::replace`].
     pub fn keep(&mut self, outputs: &Outputs, folder: &ResultFolder) -> Result<(), CliError> {
         output::replace(outputs, folder)?;
         self.kept(outputs, folder.path());

@@ -14,13 +14,13 @@ const LOAD_TOLERANCES: (f64, f64) = (0.05, 0.5);
 const MAX_LOAD_VARIATION: f64 = 0.05;
 /// A column counts as the normal force if its mean is within 10 % of the nominal force.
 const FORCE_MATCH_TOLERANCE: f64 = 0.1;
-/// Units that are mistaken for each other, in words, with the factor from the force as read to the right one.
-const UNITS: [(&str, f64); 5] = [
-    ("kN in place of N, or N in place of mN", 1e3),
-    ("mN in place of N, or N in place of kN", 1e-3),
-    ("kgf in place of N", 9.806_65),
-    ("gf in place of N", 9.806_65e-3),
-    ("uN in place of N", 1e-6),
+/// Units in which forces are recorded by mistake, with the other cause of the same factor, and the newtons per unit.
+const UNITS: [(&str, &str, f64); 5] = [
+    ("kN", ", or in N where its title says mN", 1e3),
+    ("mN", ", or in N where its title says kN", 1e-3),
+    ("kgf", "", 9.806_65),
+    ("gf", "", 9.806_65e-3),
+    ("uN", "", 1e-6),
 ];
 
 /// Checks the load. Returns the median absolute normal force in the window, in newtons, and whether the force is
@@ -96,12 +96,10 @@ fn likely_cause(tangential: &Tangential, inside: &Range<usize>, found_n: f64, no
             );
         }
     }
-    let mut units = UNITS.into_iter().map(|(words, factor)| (words, found_n * factor));
-    let unit = units.find(|(_, force_n)| matches_nominal(*force_n));
-    unit.map_or_else(String::new, |(words, force_n)| {
-        format!(
-            "; recorded in {words}, it would be {force_n:.2} N: the unit stands in the title of its column, as `Fz [N]`"
-        )
+    let mut units = UNITS.into_iter().map(|(unit, or, newtons)| (unit, or, found_n * newtons));
+    let unit = units.find(|(.., force_n)| matches_nominal(*force_n));
+    unit.map_or_else(String::new, |(unit, or, force_n)| {
+        format!("; recorded in {unit}{or}, it would be {force_n:.2} N: its unit stands in its title, as `Fz [{unit}]`")
     })
 }
 
@@ -131,10 +129,10 @@ mod tests {
         assert!(said.contains("normal force is 15 N") && said.contains("the friction force is 60.0"), "{said}");
         assert!(said.contains("likely in each other's place"), "{said}");
         for (normal_n, says) in [
-            (0.06, "recorded in kN in place of N, or N in place of mN, it would be 60.0"),
-            (60e3, "recorded in mN in place of N, or N in place of kN, it would be 60.0"),
-            (6.12, "recorded in kgf in place of N, it would be 60.0"),
-            (6120.0, "recorded in gf in place of N, it would be 60.0"),
+            (0.06, "recorded in kN, or in N where its title says mN, it would be 60.0"),
+            (60e3, "recorded in mN, or in N where its title says kN, it would be 60.0"),
+            (6.12, "recorded in kgf, it would be 60.0"),
+            (6120.0, "recorded in gf, it would be 60.0"),
         ] {
             let said = refused(15.0, normal_n).to_string();
             assert!(said.contains(says) && said.contains("expected about 60 N"), "{said}");

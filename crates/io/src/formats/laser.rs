@@ -10,6 +10,7 @@ use slipgrid_model::pattern::{Pattern, Texture};
 use super::values::{Number, NumberList, column};
 use crate::formats::plausible::SPOT;
 use crate::formats::{Diagnostic, Document, Spanned};
+use slipgrid_base::statistics::extremes;
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG, significant, significant_to, tidy};
 
 /// The table `[laser]` of a design file.
@@ -58,8 +59,8 @@ struct AblationFile {
 /// Reads the laser; `limits` are the values of `depth_per_burst_um` and `min_land_um` in `[limits]`.
 ///
 /// # Errors
-/// [`Diagnostic`] if numbers are out of range, if lines or pulses lie farther apart than the spot is wide, or if no
-/// ablation law fits the measurements.
+/// [`Diagnostic`] if numbers are out of range, if lines or pulses lie farther apart than the spot is wide, if no
+/// ablation law fits the measurements, or if a fluence stands without them or lies below their threshold.
 pub fn read_laser(
     document: &Document,
     file: Option<&Spanned<LaserFile>>,
@@ -136,11 +137,9 @@ fn with_ablation(
     let file = laser_table.get_ref();
     let fluence_j_cm2 = document.optional(file.fluence_j_cm2.as_ref(), POSITIVE)?;
     let Some(table) = &file.ablation else {
-        let unused = file.fluence_j_cm2.as_ref().map(|fluence| {
-            let refused = document.refuse(fluence.span(), "J/cm2 gives no depth without [laser.ablation]");
-            refused.expected("measured depths in [laser.ablation], or depth_per_burst_um in [limits] alone")
-        });
-        return unused.map_or(Ok(laser), Err);
+        let Some(fluence) = &file.fluence_j_cm2 else { return Ok(laser) };
+        let refused = document.refuse(fluence.span(), "J/cm2 gives no depth without [laser.ablation]");
+        return Err(refused.expected("measured depths in [laser.ablation], or depth_per_burst_um in [limits] alone"));
     };
     if let Some(depth) = depth_per_burst {
         return Err(document
@@ -161,7 +160,7 @@ fn with_ablation(
     let points: Vec<AblationPoint> = (0..fluences.len()).map(point).collect();
     let law = Ablation::fit(&points, fluence_j_cm2).map_err(|error| {
         // If the law holds at the highest measured fluence, the fluence used lies below its threshold.
-        let highest = fluences.iter().copied().fold(0.0, f64::max);
+        let [_, highest] = extremes(fluences.iter().copied());
         match (Ablation::fit(&points, highest), &file.fluence_j_cm2) {
             (Ok(law), Some(used)) => document
                 .refuse(used.span(), "J/cm2 removes nothing by [laser.ablation]")
@@ -182,8 +181,7 @@ pub(crate) fn unmeasured_fluence(
     let (used, table) = (file.fluence_j_cm2.as_ref()?, file.ablation.as_ref()?);
     // Values that are not numbers have been refused before.
     let fluences = document.numbers(&table.get_ref().fluence_j_cm2, POSITIVE).ok()?;
-    let least = fluences.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = fluences.into_iter().fold(0.0, f64::max);
+    let [least, most] = extremes(fluences);
     (law.fluence_j_cm2 < least || law.fluence_j_cm2 > most).then(|| {
         let reason = format!(
             "J/cm2 lies outside the fluences at which depths were measured, {} to {} J/cm2: the depth per burst, {} um, is extrapolated along the law",

@@ -57,7 +57,7 @@ impl Document {
         // Names of the program's own types mean nothing to the user.
         let said = said.find("expected struct ").map_or(said.clone(), |at| format!("{}expected a table", &said[..at]));
         let line = self.line_text(span.start).trim_start();
-        let (is_table, is_listed) = (line.starts_with('['), line.starts_with("[["));
+        let (is_heading, is_listed) = (line.starts_with('['), line.starts_with("[["));
         let mut refused = self.refuse(span, "");
         // A reader takes the table that a list holds for the first key of the table it expects.
         if is_listed && (said.ends_with("expected a table") || said.starts_with("invalid type: table")) {
@@ -66,7 +66,7 @@ impl Document {
             "stands in double brackets, as one of a list".clone_into(&mut refused.reason);
             return refused.expected(format!("one table, [{key}]"));
         }
-        if is_table && !is_listed && said.ends_with("expected a list") {
+        if is_heading && said == "invalid type: table, expected a list" {
             let key = refused.key.clone().unwrap_or_default();
             refused.value = None;
             "stands in single brackets, and is one of a list".clone_into(&mut refused.reason);
