@@ -16,8 +16,8 @@ use super::{Page, pages};
 const PATIENCE: Duration = Duration::from_secs(120);
 /// Raw traces, one of each load, of a laboratory that does not exist.
 const TRACES: [&str; 5] = ["flat-30N-1.csv", "flat-80N-1.csv", "flat-160N-1.csv", "flat-300N-1.csv", "flat-300N-2.csv"];
-/// Script that acts on the page: finds an element by its name, clicks, types, drops files. Requests and answers are late by up to
-/// 400 ms and overtake one another, as on a busy computer.
+/// Script that acts on the page: finds an element by its name, clicks, types, drops files. Requests and answers are
+/// late by up to 400 ms and overtake one another, as on a busy computer.
 const HAND: &str = r"(() => {
 const ask = window.fetch.bind(window);
 let state = 1;

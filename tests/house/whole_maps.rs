@@ -68,7 +68,7 @@ fn face(pixels: usize) -> HeightMap {
 struct Made {
     text: String,
     read: ReadMap,
-    surface: PreparedMap,
+    measured: Measured,
     period: PreparedMap,
 }
 
@@ -80,10 +80,11 @@ impl Made {
         let text = map.to_matrix_text(&style);
         let read = read_map(text.as_bytes(), &ReadOptions::default()).unwrap();
         let surface = PreparedMap::new(read.clone(), Preparation::default(), &Unwatched).unwrap();
+        let measured = Measured::new(surface, None, &Unwatched).unwrap();
         let rough = SelfAffine { pixels, max_wave: 16, ..SelfAffine::STAND_IN }.map().unwrap();
         let period =
             PreparedMap::one_period(ReadMap { map: rough, ..read.clone() }, Preparation::default(), &Unwatched);
-        Self { text, read, surface, period: period.unwrap() }
+        Self { text, read, measured, period: period.unwrap() }
     }
 }
 
@@ -102,14 +103,13 @@ const STEPS: [Step; 10] = [
     ("one period", |made, monitor| PreparedMap::one_period(made.read.clone(), Preparation::default(), monitor).is_ok()),
     ("cavities", |made, monitor| made.read.map.measure_cavities(Form::SecondOrder, monitor).is_ok()),
     ("mean period", |made, monitor| made.read.map.mean_cavity_period(Form::Plane, monitor).is_ok()),
-    ("bearing curve", |made, monitor| MaterialRatioCurve::new(&made.surface.map, monitor).is_ok()),
-    ("lengths", |made, monitor| made.surface.map.correlation_lengths(Sides::Open, monitor).is_ok()),
+    ("bearing curve", |made, monitor| MaterialRatioCurve::new(&made.measured.surface.map, monitor).is_ok()),
+    ("lengths", |made, monitor| made.measured.surface.map.correlation_lengths(Sides::Open, monitor).is_ok()),
     ("report", |made, monitor| {
-        let Ok(measured) = Measured::new(made.surface.clone(), None, monitor) else { return false };
-        let report = SurfaceReport::new(Path::new("map"), &measured, monitor);
-        report.is_ok_and(|report| files(&report, &measured, 0, monitor).is_ok())
+        let report = SurfaceReport::new(Path::new("map"), &made.measured, monitor);
+        report.is_ok_and(|report| files(&report, &made.measured, 0, monitor).is_ok())
     }),
-    ("spectrum", |made, monitor| made.surface.map.radial_spectrum(Sides::Open, monitor).is_ok()),
+    ("spectrum", |made, monitor| made.measured.surface.map.radial_spectrum(Sides::Open, monitor).is_ok()),
     ("area law", |made, monitor| {
         let request = AreaLawRequest {
             contact_modulus_pa: 0.43e9,

@@ -44,13 +44,7 @@ fn a_few_laboratories_reach_their_targets() {
 
 #[test]
 fn laboratories_end_when_they_are_cancelled() {
-    struct Pressed;
-    impl Monitor for Pressed {
-        fn cancelled(&self) -> bool {
-            true
-        }
-    }
-    let found = run(&Options::default(), &Policy::ALL, &Pressed);
+    let found = run(&Options::default(), &Policy::ALL, &std::sync::atomic::AtomicBool::new(true));
     assert!(matches!(found, Err(StudyError::Cancelled)), "{found:?}");
 }
 

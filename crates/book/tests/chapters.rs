@@ -49,7 +49,7 @@ fn every_link_leads_to_a_file_and_every_anchor_to_a_heading() {
             let (path, anchor) = target.split_once('#').unwrap_or((&target, ""));
             let file = if path.is_empty() { page.clone() } else { page.parent().unwrap().join(path) };
             let leads = file.exists() && (anchor.is_empty() || anchors(&text(&file)).iter().any(|own| own == anchor));
-            // What stands outside the chapters is not there in a book that was built.
+            // Files outside the chapters are missing in a book that was built.
             let stays = !page.starts_with(book()) || file.canonicalize().is_ok_and(|file| file.starts_with(book()));
             if !leads || !stays {
                 broken.push(format!("{}: {target}", page.strip_prefix(root()).unwrap().display()));
@@ -110,7 +110,7 @@ fn the_readme_fits_on_two_screens() {
     let readme = text(&root().join("README.md"));
     let [lines, letters] = README;
     assert!(readme.lines().count() <= lines, "{} lines", readme.lines().count());
-    // What the program prints is as wide as it is.
+    // Lines that the program prints may be longer.
     let own = readme.split("```").step_by(2).flat_map(str::lines).filter(|line| !line.starts_with(['<', '|']));
     let longest = own.map(|line| line.chars().count()).max();
     assert!(longest.unwrap() <= letters, "{longest:?}");

@@ -237,7 +237,7 @@ fn results_obey_their_schemas() {
     let write = |file: &str, design: String| std::fs::write(folder.path().join(file), design).unwrap();
     let near = small_design("value = 0.95\ntolerance = 0.02");
     write("d.toml", near + "[trade_offs]\ngoals = [\"misfit\", \"volume\"]\n");
-    // Of a goal nothing is asked at either end, of a one-sided band at one.
+    // A goal has no demand at either end, a one-sided band has one.
     write("goal.toml", small_design("goal = \"lowest\""));
     write("band.toml", small_design("highest = 0.97"));
     obeys(folder.path(), "result", &["optimize", "d.toml", "--table", "--no-explorer"], "out");

@@ -60,8 +60,11 @@ pub fn is_written_by_code(titles: &str) -> bool {
     let titles = titles.trim_end_matches(MORE);
     WRITERS.iter().any(|file| {
         let code: String = text(&root().join(file)).split("\\\n").map(str::trim_start).collect();
-        let after = |rest: &str, title: &str| rest.find(&format!("(\"{title}\",")).map(|place| place + title.len());
-        let by_column = titles.split(',').try_fold(0, |from, title| Some(from + after(&code[from..], title)?));
-        code.contains(&format!("\"{titles}")) || by_column.is_some()
+        // Titles of a table that is written column by column.
+        let by_column = |table: &str| {
+            let each = table.split("(\"").skip(1).filter_map(|rest| Some(rest.split_once("\",")?.0));
+            each.collect::<Vec<_>>().join(",").starts_with(titles)
+        };
+        code.contains(&format!("\"{titles}")) || code.split("Table::of(").skip(1).any(by_column)
     })
 }

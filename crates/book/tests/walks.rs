@@ -60,7 +60,7 @@ fn print(folder: &Path, command: &str) -> String {
             let mut printed = String::from_utf8(output.stdout).unwrap();
             match output.status.code() {
                 Some(0) => {}
-                // What is refused is said on the other stream.
+                // A refusal is written to the other stream.
                 Some(code) => {
                     if printed.is_empty() {
                         printed = String::from_utf8(output.stderr).unwrap();
@@ -187,9 +187,8 @@ fn check_main_job(results: &Path) {
     assert_eq!(result["material"]["synthetic_surface"], true);
 
     // The scene runs as it is; steady sliding of its specimen lies near what was confirmed.
-    let mut simulate = program();
-    simulate.current_dir(results).args(["simulate", "scene.toml", "--fidelity", "steady", "--json"]);
-    let steady: Value = serde_json::from_slice(&simulate.output().unwrap().stdout).unwrap();
+    let steady = print(results, "slipgrid simulate scene.toml --fidelity steady --json");
+    let steady: Value = serde_json::from_str(&steady).unwrap();
     for (steady, confirmed) in steady["results"].as_array().unwrap().iter().zip(confirmed) {
         let (steady, confirmed) = (number(&steady["ratio"]), number(&confirmed["ratio"]));
         assert!((steady / confirmed - 1.0).abs() < 0.01, "{steady} {confirmed}");
@@ -210,7 +209,7 @@ type Walked = (usize, BTreeSet<(String, String)>, Vec<String>);
 fn walk_page(page: &Path, listed: &BTreeSet<(String, String)>) -> Walked {
     let (place, commands, found) = walk(page);
     let mut differ: Vec<String> = found.into_iter().map(|found| format!("{}: {found}", page.display())).collect();
-    // What the walk speaks of at its end is there.
+    // The files named at the end of the walk exist.
     for name in LEFT_BY_WALK.iter().filter(|_| page.ends_with("from-raw-files.md")) {
         assert!(place.path().join(name).is_file(), "{name}");
     }

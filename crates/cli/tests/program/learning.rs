@@ -26,13 +26,12 @@ fn the_disc_that_teaches_most_is_drawn_with_what_every_mechanism_predicts() {
         assert_eq!(of["loads"].as_array().unwrap().len(), 2, "one prediction per pressure");
     }
     // The files cut the sectors that the record names, one of them turned by a right angle.
-    let read = |name: &str| -> toml::Table { place.read(name).parse().unwrap() };
-    let trials = read("out/trials.toml");
+    let trials = place.toml("out/trials.toml");
     let turned = |trial: &toml::Value| trial["pattern"].get("angle_deg").map_or(0.0, |angle| angle.as_float().unwrap());
     let angles: Vec<f64> = trials["trial"].as_array().unwrap().iter().map(turned).collect();
     assert_eq!(angles, [0.0, 90.0]);
     for (sector, sample) in
-        read("out/process.toml")["sector"].as_array().unwrap().iter().zip(found["samples"].as_array().unwrap())
+        place.toml("out/process.toml")["sector"].as_array().unwrap().iter().zip(found["samples"].as_array().unwrap())
     {
         for key in ["width_um", "spacing_um", "depth_um"] {
             assert_eq!(sector["pattern"][key].as_float().unwrap(), number(&sample["design"][key]), "{key}");

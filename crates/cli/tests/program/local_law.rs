@@ -70,9 +70,8 @@ fn a_fitted_law_is_compared_as_trials_have_it() {
     let place = Place::with(&[]);
     let whole = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap().join(calibration);
     let file = whole.join("calibration.toml").to_str().unwrap().to_owned();
-    let json = |args: &[&str]| -> serde_json::Value { place.json(args) };
-    let found = json(&["validate", &file, "--slope-factors", "2", "--json"]);
-    let learned = json(&["trials", &file, "--json"]);
+    let found = place.json(&["validate", &file, "--slope-factors", "2", "--json"]);
+    let learned = place.json(&["trials", &file, "--json"]);
     let modelled = |factor: f64| -> Vec<f64> {
         let of = |row: &serde_json::Value| {
             let laws = row["modelled"].as_array().unwrap();
@@ -114,8 +113,7 @@ fn a_map_after_the_test_is_compared_and_the_law_rests_on_the_one_before() {
     place.write("after.asc", before.lines().map(|line| rougher(line) + "\n").collect::<String>());
     place.succeed(&["calibrate", "alone.toml", "-o", "alone-m.toml"]);
     place.succeed(&["calibrate", "both.toml", "-o", "both-m.toml"]);
-    let read = |name: &str| -> toml::Table { place.read(name).parse().unwrap() };
-    let (alone, both) = (read("alone-m.toml"), read("both-m.toml"));
+    let (alone, both) = (place.toml("alone-m.toml"), place.toml("both-m.toml"));
     assert_eq!(alone["area_law"], both["area_law"]);
     let notes = both["notes"].to_string();
     assert!(notes.contains("Sa is 0.426 um instead of 0.158 um") && notes.contains("at 2.6 MPa"), "{notes}");

@@ -59,10 +59,8 @@ fn time_under_the_laser_can_be_limited() {
         ("slow.toml", &laser(design("goal = \"lowest\"", ""))),
         ("fast.toml", &laser(design("goal = \"lowest\"", "max_laser_time_s = 5.0"))),
     ]);
-    let time_s = |folder: &str| {
-        let sheet: toml::Table = fs::read_to_string(place.path(folder).join("process.toml")).unwrap().parse().unwrap();
-        sheet["work"]["estimated_time_s"].as_float().unwrap()
-    };
+    let time_s =
+        |folder: &str| place.toml(&format!("{folder}/process.toml"))["work"]["estimated_time_s"].as_float().unwrap();
     let slow = optimized(&place, "slow.toml", 0).1["goal"]["expected"].as_f64().unwrap();
     let fast = optimized(&place, "fast.toml", 0).1["goal"]["expected"].as_f64().unwrap();
     assert!(time_s("out/slow") > 5.0, "{}", time_s("out/slow"));

@@ -115,7 +115,9 @@ fn the_calibration_template_explains_every_key() {
         let Some(keys) = keys.strip_prefix("one of ") else { panic!("{table}: {refused}") };
         for key in keys.split(", ") {
             let is_explained = lines.iter().any(|(header, line)| {
-                (table.is_empty() || header.starts_with(table)) && line.starts_with(&format!("{key} = "))
+                header.is_empty() == table.is_empty()
+                    && header.starts_with(table)
+                    && line.starts_with(&format!("{key} = "))
                     || table.is_empty() && line.contains(&format!("[{key}]"))
                     || table == "[traces]" && line.starts_with(&format!("[[traces.{key}]]"))
             });

@@ -1,6 +1,6 @@
 //! Thickness of the specimen in the model.
 
-use crate::common::{DESIGN, Place, SCENE, correction};
+use crate::common::{DESIGN, Place, SCENE, correction, result};
 use serde_json::Value;
 
 /// Effects as results name them.
@@ -102,11 +102,11 @@ fn designs_are_searched_in_the_specimen_as_thick_as_it_is() {
     place.run(&["optimize", "thick.toml", "-o", "out", "--quiet"]);
     let design = place.read("out/scene.toml");
     assert!(design.contains("layer_um = 200.0") && design.contains("thickness_mm = 7.0"), "{design}");
-    let result: Value = serde_json::from_str(&place.read("out/result.json")).unwrap();
-    assert!(correction(&result["confirmed"][0], BEHIND).unwrap()["change"].as_f64().unwrap() < 0.0);
+    let found = result(&place, "out");
+    assert!(correction(&found["confirmed"][0], BEHIND).unwrap()["change"].as_f64().unwrap() < 0.0);
     // The written scene gives the confirmed ratio to the last bit.
     let again = place.json(&["simulate", "out/scene.toml", "--json"]);
-    for (place, load) in result["confirmed"].as_array().unwrap().iter().enumerate() {
+    for (place, load) in found["confirmed"].as_array().unwrap().iter().enumerate() {
         assert_eq!(load["ratio"], again["results"][place]["ratio"]);
     }
     // A study of thin layers holds other answers.

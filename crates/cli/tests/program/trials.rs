@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use crate::common::{CALIBRATION, DESIGN, Place, SCENE, correction, measured};
+use crate::common::{CALIBRATION, DESIGN, Place, SCENE, correction, measured, result};
 use serde_json::Value;
 
 /// Forces, in newtons, with pressures of 0.64 to 2.55 MPa on the disc, and the flat sample's friction.
@@ -111,8 +111,8 @@ fn a_hidden_rim_is_on_target_within_three_cuts() {
     assert!(ledger.contains("cut-1") && ledger.contains("predicted by the trials before it"), "{ledger}");
     let files = "friction-sheet.md report.html result.json result.jsonld timings.json trials.csv trials.svg";
     assert_eq!(place.listed("ledger"), files);
-    let read: Value = serde_json::from_str(&place.read("ledger/result.json")).unwrap();
-    let before = &read["trials"][0]["measured"][0]["before"];
+    let ledger = result(&place, "ledger");
+    let before = &ledger["trials"][0]["measured"][0]["before"];
     let [low, high] = [0, 1].map(|end| before["interval_95"][end].as_f64().unwrap());
     assert!(high / low > 1.5, "before the first trial nothing is known: {low} {high}");
 }
@@ -137,8 +137,7 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
     for (sample, of) in [("1", &alone["samples"][0]), ("3", &alone["samples"][2]), ("4", &alone["own"][0])] {
         let folder = format!("laser-{sample}");
         place.succeed(&["export", "out", "--sample", sample, "--format", "process,stl", "-o", &folder]);
-        let sheet = place.read(&format!("{folder}/process.toml"));
-        let sheet: toml::Table = toml::from_str(&sheet).unwrap();
+        let sheet = place.toml(&format!("{folder}/process.toml"));
         let of_sheet = |key: &str| sheet["pattern"][key].as_float().unwrap();
         assert_eq!([of_sheet("width_um"), of_sheet("spacing_um"), of_sheet("depth_um")], lengths(of));
         if sample != "4" {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
+use slipgrid_base::statistics::extremes;
 use slipgrid_model::pattern::{Pattern, Planform, Texture};
 
 use crate::export::gcode::read as read_gcode;
@@ -171,9 +172,7 @@ fn the_sheet_states_the_distances_that_lines_have() {
         if is_cut_in_parts {
             continue;
         }
-        let found = apart_um.iter().copied();
-        let least_found_um = found.clone().fold(f64::INFINITY, f64::min);
-        let greatest_found_um = found.fold(0.0, f64::max);
+        let [least_found_um, greatest_found_um] = extremes(apart_um.iter().copied());
         let what = format!("{:?}, {:?}", layout.pattern().texture(), layout.outline());
         assert!((least_found_um - least_um).abs() < 0.1, "{what}: {least_found_um} and {least_um} um");
         assert!((greatest_found_um - greatest_um).abs() < 0.1, "{what}: {greatest_found_um} and {greatest_um} um");
@@ -196,7 +195,7 @@ fn read_png(bytes: &[u8]) -> (u32, u32, Vec<f64>, u32) {
 #[test]
 fn height_maps_hold_the_area_and_the_volume_of_the_cavities() {
     for (place, layout) in layouts().into_iter().enumerate() {
-        // Of whole and clipped cavities on one outline, one has vertical and one has inclined walls.
+        // On each outline, one of the whole and the clipped cavities has vertical walls, the other inclined ones.
         let taper_deg = Some(60.0).filter(|_| (place + place / 2) % 2 == 0);
         let laser = Laser { wall_taper_deg: taper_deg, ..laser() };
         let map = HeightMap::new(&layout, &laser, Some(4.0)).unwrap();

@@ -222,6 +222,7 @@ mod tests {
             let (mut one, mut other) = (map(c, holes), map(c, holes));
             one.remove_form(Form::Plane, &Unwatched).unwrap();
             other.subtract_plane(&Unwatched).unwrap();
+            assert_eq!(other.missing(), holes.len());
             for (a, b) in one.heights_m().iter().zip(other.heights_m()) {
                 assert!(a.is_nan() && b.is_nan() || (a - b).abs() < 1e-18);
             }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::closed_form::{CrossedWaves, Hertz, Wave};
-use crate::common::{MODULUS_PA, SIDE_M, crossed_waves, paraboloid, solve};
+use crate::common::{MODULUS_PA, RADIUS_M, SIDE_M, crossed_waves, paraboloid, solve};
 use slipgrid_surface::contact::{RoughContact, SolveOptions, Unwatched};
 use slipgrid_surface::topography::HeightMap;
 
@@ -32,15 +32,14 @@ fn rms(errors: impl ExactSizeIterator<Item = f64>) -> f64 {
 
 #[test]
 fn validation_pressure_under_a_sphere_converges_at_order_one() {
-    let radius_m = 0.01;
     // Contact radii of 4 to 7 % of the period: neighbours a period away change the pressure by less than 1e-3.
     let error = |n: usize| {
         let map = paraboloid(n);
         rms((0..8).map(|load| {
             let contact_radius_m = SIDE_M * (0.04 + 0.03 * f64::from(load) / 7.0);
             // F = 4 E* a^3 / (3 R)
-            let load_n = 4.0 * MODULUS_PA * contact_radius_m.powi(3) / (3.0 * radius_m);
-            let hertz = Hertz::new(radius_m, load_n, MODULUS_PA);
+            let load_n = 4.0 * MODULUS_PA * contact_radius_m.powi(3) / (3.0 * RADIUS_M);
+            let hertz = Hertz::new(RADIUS_M, load_n, MODULUS_PA);
             let expected = (0..n * n).map(|k| {
                 let at = |i: usize| (i as f64 / n as f64 - 0.5) * SIDE_M;
                 hertz.pressure_pa(at(k / n).hypot(at(k % n)))

@@ -217,12 +217,11 @@ pub fn optimized(place: &Place, file: &str, code: i32) -> (String, Value) {
     (String::from_utf8(output.stdout).unwrap(), result(place, &folder))
 }
 
-/// Names and contents of all files of a folder except those that depend on time or stand beside results.
+/// Names and contents of all files of a folder, unfinished ones included, except those that depend on time.
 pub fn untimed(place: &Place, folder: &str) -> Vec<(String, Vec<u8>)> {
     let folder = place.path(folder);
     let read = |name: String| (name.clone(), fs::read(folder.join(&name)).unwrap());
-    let is_result = |name: &String| name != "timings.json" && !name.starts_with(".slipgrid-");
-    names(&folder).into_iter().filter(is_result).map(read).collect()
+    names(&folder).into_iter().filter(|name| name != "timings.json").map(read).collect()
 }
 
 /// Parses JSON from stdout or a file.

@@ -82,6 +82,8 @@ fn a_trial_moves_lambda_to_the_law_that_it_was_measured_by() {
     let (by_local, by_nominal, between) = (moved(change), moved([0.0; 2]), moved(change.map(|own| 0.5 * own)));
     assert!(by_local.0 > 0.55 && by_nominal.0 < 0.45, "{by_local:?} {by_nominal:?}");
     assert!((between.0 - 0.5).abs() < 1e-12 && between.1 < 0.5, "{between:?}");
+    let (mean, std) = discrepancy(Vec::new()).local_law();
+    assert!((mean - 0.5).abs() < 1e-12 && (std - 0.5).abs() < 1e-12, "{mean} {std}");
 }
 
 #[test]

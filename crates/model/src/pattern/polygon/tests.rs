@@ -62,8 +62,8 @@ fn what_is_no_outline_is_refused_with_the_corner() {
 #[test]
 fn the_narrowest_width_is_that_of_the_hull_or_of_a_neck() {
     let least = |vertices: &[[f64; 2]]| {
-        let width = vertices.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], at| [l.min(at[0]), h.max(at[0])]);
-        Polygon::new(vertices).unwrap().least_extent() * (width[1] - width[0])
+        let [left, right] = extremes(vertices.iter().map(|at| at[0]));
+        Polygon::new(vertices).unwrap().least_extent() * (right - left)
     };
     let close = |value: f64, expected: f64| assert!((value - expected).abs() < 1e-11, "{value} for {expected}");
     close(least(&[[0.0, 0.0], [7.0, 0.0], [7.0, 3.0], [0.0, 3.0]]), 3.0);

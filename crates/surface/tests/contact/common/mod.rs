@@ -12,6 +12,9 @@ pub const MODULUS_PA: f64 = 427.5e6;
 /// Side of all reference maps, in metres.
 pub const SIDE_M: f64 = 1e-3;
 
+/// Radius of the paraboloid, in metres.
+pub const RADIUS_M: f64 = 0.01;
+
 /// The state of contact of `map`, with the default options.
 pub fn solve(map: &HeightMap, pressure_pa: f64) -> ContactState {
     let contact = RoughContact::new(map, MODULUS_PA, &Unwatched).unwrap();
@@ -32,7 +35,7 @@ pub fn square(n: usize, height: impl Fn(f64, f64) -> f64) -> HeightMap {
 
 /// A paraboloid of radius 10 mm, its summit in the middle of the map.
 pub fn paraboloid(n: usize) -> HeightMap {
-    square(n, |x, y| -((x - 0.5).powi(2) + (y - 0.5).powi(2)) * SIDE_M * SIDE_M / (2.0 * 0.01))
+    square(n, |x, y| -((x - 0.5).powi(2) + (y - 0.5).powi(2)) * SIDE_M * SIDE_M / (2.0 * RADIUS_M))
 }
 
 /// A wave of amplitude 1 um along x.

@@ -119,17 +119,16 @@ fn first_order_is_what_samples_scatter() {
     let slopes = Slopes::new(&scene, &knowledge);
     let cell = steady_cell(&scene, &scene.pattern.unwrap());
     let mut normals = Normals::new(1);
-    let mut normal = || normals.draw();
     let nominal = solved(&scene);
     const DRAWS: usize = 400;
     let mut drawn = vec![Vec::new(); 3];
     for _ in 0..DRAWS {
         // Cholesky factor of the covariance of mu_d and ln s.
-        let (z, w) = (normal(), normal());
+        let (z, w) = (normals.draw(), normals.draw());
         let coefficient = known[0][0].sqrt() * z;
         let share = known[0][1] / known[0][0].sqrt();
         let log_scale = share * z + (known[1][1] - share * share).sqrt() * w;
-        let [law_off, own] = [normal(), discrepancy.log_std * normal()];
+        let [law_off, own] = [normals.draw(), discrepancy.log_std * normals.draw()];
         let moved = area_law.at_modulus(log_scale.exp()).unwrap();
         // Flat friction depends on both.
         let friction: Vec<f64> = scene

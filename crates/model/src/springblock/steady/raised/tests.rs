@@ -61,7 +61,7 @@ fn rims_are_solved_as_all_blocks_say() {
     .into_iter()
     .enumerate()
     {
-        let lattice = lattice(&rimmed(sizes, height, rim, RimProfile::ALL[number % 3]));
+        let lattice = lattice(&rimmed(sizes, height, rim, RimProfile::IN_FILES[number % 3]));
         for (pressure, mu) in [(0.1, 0.27), (0.65, 0.27), (2.6, 0.6), (10.0, 0.1)] {
             let [found, expected] = [raised, all_blocks].map(|solve| solve(&lattice, pressure, mu, Some(&law)));
             assert_same(&found, &expected, &format!("{sizes:?} {height} {pressure}"));
