@@ -71,7 +71,7 @@ pub fn lattice(design: &DesignTask, lattice: &Lattice) -> String {
         .flat_map(|condition| points().map(move |pressure_mpa| format!("{quantity}_at_{pressure_mpa}_mpa{condition}")));
     let fixed = |value: Option<f64>, digits: usize| value.map_or_else(String::new, |value| format!("{value:.digits$}"));
     for (place, title) in titles.enumerate() {
-        table.column(title, |(_, found)| fixed(found.as_ref().and_then(|found| found.medians.get(place).copied()), 6));
+        table.column(title, |(_, found)| fixed(found.as_ref().map(|found| found.medians[place]), 6));
     }
     for (place, limit) in design.constraints.quantities.iter().enumerate() {
         let (unit, unit_si) = limit.quantity.unit();
@@ -99,7 +99,7 @@ pub fn trade_offs(compared: &Compared, chosen: &Pattern) -> String {
     for (place, goal) in goals.iter().enumerate() {
         table.numbers(goal.column(), |(known, ..)| significant(known.goals[place], 6));
     }
-    table.numbers("on_front", |(.., on_front)| f64::from(u8::from(*on_front)));
-    table.numbers("chosen", |(known, ..)| f64::from(u8::from(known.design == *chosen)));
+    table.numbers("on_front", |(.., on_front)| f64::from(*on_front));
+    table.numbers("chosen", |(known, ..)| f64::from(known.design == *chosen));
     table.table().csv()
 }

@@ -1,14 +1,13 @@
 //! Files of a designed texture or a solved scene, identical for every caller.
 
 use slipgrid_design::DesignOutcome;
-use slipgrid_design::results::{SCHEMA, SimulationReport, VERSION};
+use slipgrid_design::results::SimulationReport;
 use slipgrid_io::formats::confirmed_scene::DesignScene;
 use slipgrid_model::springblock::{Scene, Simulation};
 
+use crate::laser_files::about;
 use crate::uncertainty_budget::{self, UncertaintyBudget};
-use crate::{
-    DrawingInput, LaserFile, Outputs, ProcessInput, ReportError, charts, csv, draw, html, linked_data, pictures,
-};
+use crate::{DrawingInput, LaserFile, Outputs, ReportError, charts, csv, draw, html, linked_data, pictures};
 
 /// Makes the files of the design `found`, except record and page (see `add_report`): scene of the run that confirms the
 /// design, laser drawings, tables and pictures.
@@ -65,15 +64,7 @@ pub fn add_report(found: &DesignOutcome, outputs: &mut Outputs) -> Result<(), Re
 
 /// Input for the drawings of `found`.
 pub fn drawing(found: &DesignOutcome) -> DrawingInput {
-    let about = ProcessInput {
-        name: found.task.name.clone(),
-        version: VERSION.to_owned(),
-        schema: SCHEMA,
-        seed: found.task.search.seed,
-        laser: found.task.laser,
-        tolerances: found.task.assumed_tolerances(),
-        material: (&found.report.material).into(),
-    };
+    let about = about(&found.task, &found.task.name, &found.report.material);
     DrawingInput { pattern: found.pattern, outline: found.task.specimen, about }
 }
 

@@ -10,6 +10,7 @@ use slipgrid_laser::export::{
     SectorsSheet, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv, height_map, hpgl, stl, svg,
     svg_of_sectors,
 };
+use slipgrid_model::material::Provenance;
 use slipgrid_model::pattern::Pattern;
 
 use crate::Outputs;
@@ -193,31 +194,34 @@ fn add(
 /// # Errors
 /// Same as [`draw`].
 pub fn draw_next(found: &NextTrials, task: &DesignTask) -> Result<Vec<Outputs>, ExportError> {
-    let about = |name: &str| ProcessInput {
+    let about = |name: &str| about(task, name, &found.report.material);
+    if let Some(disc) = &found.report.one_disc {
+        return Ok(vec![draw_sectors(&found.sectors, about(&disc.name))?]);
+    }
+    let of_pattern = |pattern: &Pattern| {
+        let input = DrawingInput { pattern: *pattern, outline: task.specimen, about: about(&found.report.name) };
+        let mut outputs = Outputs::default();
+        draw(&input, &LaserFile::ALWAYS, &mut outputs).map(|()| outputs)
+    };
+    found.patterns.iter().map(of_pattern).collect()
+}
+
+/// Laser and metadata that the drawings of `task` state, under `name` and cut in `material`.
+pub(crate) fn about(task: &DesignTask, name: &str, material: &Provenance) -> ProcessInput {
+    ProcessInput {
         name: name.to_owned(),
         version: VERSION.to_owned(),
         schema: SCHEMA,
         seed: task.search.seed,
         laser: task.laser,
         tolerances: task.assumed_tolerances(),
-        material: (&found.report.material).into(),
-    };
-    let drawn = |drawing: &dyn Fn(&mut Outputs) -> Result<(), ExportError>| {
-        let mut outputs = Outputs::default();
-        drawing(&mut outputs).map(|()| outputs)
-    };
-    if let Some(disc) = &found.report.one_disc {
-        return Ok(vec![drawn(&|outputs| draw_sectors(&found.sectors, about(&disc.name), outputs))?]);
+        material: material.into(),
     }
-    let of_pattern = |pattern: &Pattern| {
-        let input = DrawingInput { pattern: *pattern, outline: task.specimen, about: about(&found.report.name) };
-        drawn(&|outputs| draw(&input, &LaserFile::ALWAYS, outputs))
-    };
-    found.patterns.iter().map(of_pattern).collect()
 }
 
-/// Adds the files of `sectors` to `outputs`, each with the metadata `about` the specimen.
-fn draw_sectors(sectors: &[Sector], about: ProcessInput, outputs: &mut Outputs) -> Result<(), ExportError> {
+/// Files of `sectors`, each with the metadata `about` the specimen.
+fn draw_sectors(sectors: &[Sector], about: ProcessInput) -> Result<Outputs, ExportError> {
+    let mut outputs = Outputs::default();
     let laser = about.laser;
     laser.validate()?;
     sectors.iter().try_for_each(|sector| laser.check_depth(sector.pattern().depth_m()))?;
@@ -235,10 +239,10 @@ fn draw_sectors(sectors: &[Sector], about: ProcessInput, outputs: &mut Outputs) 
     });
     outputs.add("process.toml", sheet.to_toml()?);
     outputs.add("trials.toml", trials);
-    Ok(())
+    Ok(outputs)
 }
 
-/// What is drawn: the layout of a pattern or sectors, with the laser and the metadata that drawings state.
+/// Layout of a pattern, or sectors, to draw, with the laser and the metadata that drawings state.
 struct Drawing<T> {
     drawn: T,
     about: ProcessInput,

@@ -124,7 +124,7 @@ fn columns_found(text: &str, titles: &Titles) -> Vec<Value> {
     let of_title = |(place, (title, channel)): (usize, &(String, Option<Channel>))| {
         let unit = title.find(['[', '(', '{']);
         let unit = unit.map(|at| title[at..].trim_matches(['[', '(', '{', ']', ')', '}']).to_owned());
-        // Of equal titles a number says which is meant, as in `columns` of a calibration.
+        // A number tells equal titles apart, as in `columns` of a calibration.
         let is_one = count(title, found.len()) == 1;
         let title = if is_one { title.clone() } else { format!("{title} #{}", count(title, place) + 1) };
         json!({ "title": title, "unit": unit, "role": channel.map(Channel::key) })

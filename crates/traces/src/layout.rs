@@ -179,8 +179,8 @@ impl<'a> Layout<'a> {
         }
         let kept = match same_columns(self, &several, rows, own) {
             Ok(kept) => Some(kept),
-            // Of several columns with step or repeat numbers the first is used. Of other optional channels no column is
-            // used, because the right column is not known.
+            // The first of several columns with step or repeat numbers is used. Other optional channels are left out,
+            // because the right column is not known.
             Err(_) if matches!(channel, Channel::Step | Channel::Repeat) => Some(several[0]),
             Err(_) if !channel.is_needed() || (channel == Channel::Coefficient && self.has_force()) => None,
             Err(differ) => return Err(self.ambiguous_columns(channel, number, &several, differ)),

@@ -228,7 +228,7 @@ mod tests {
         }
     }
 
-    /// As many repeats as `count`, each drawn by `sample`.
+    /// Repeats, `count` of them, each drawn by `sample`.
     fn drawn(count: usize, mut sample: impl FnMut() -> f64) -> Repeats {
         let values: Vec<(f64, f64)> = (0..count).map(|_| (sample(), 1e-5)).collect();
         let MeanStd { mean, std, .. } = mean_std(&values);

@@ -191,10 +191,8 @@ mod tests {
         // Half a minute of friction of about 0.3. A test of four falls shorter by half was wrong in up to a tenth of
         // these.
         let times_s = [0.05, 0.2, 0.8, 1.6, 3.2, 10.0];
-        let of_step = |step_s: f64, times_s: &[f64]| times_s.iter().map(move |time_s| (step_s, *time_s)).collect();
-        let all: [Vec<(f64, f64)>; 3] =
-            [of_step(0.01, &times_s), of_step(0.05, &times_s[1..]), of_step(0.001, &times_s[3..4])];
-        for (step_s, correlation_s) in all.concat() {
+        let all = [(0.01, &times_s[..]), (0.05, &times_s[1..]), (0.001, &times_s[3..4])].into_iter();
+        for (step_s, correlation_s) in all.flat_map(|(step_s, of)| of.iter().map(move |&time_s| (step_s, time_s))) {
             let seeds = if step_s < 0.01 { 100 } else { 400 };
             let (mut slips, mut swings) = (0, 0);
             for seed in 0..seeds {

@@ -129,7 +129,7 @@ mod tests {
         for n in 1..400_u32 {
             let um = |hundredths: u32| LENGTH_UM.to_si(f64::from(hundredths) / 100.0);
             let pairs = [[um(n), um(n + 7)], [um(2 * n), um(3 * n)]];
-            let profile = RimProfile::ALL[n as usize % 3];
+            let profile = RimProfile::IN_FILES[n as usize % 3];
             for rim in [
                 Rim::new(um(n), um(900 + n), profile).unwrap().with_height_std_m(um(n / 3)).unwrap(),
                 Rim::following_depth(&pairs, um(1700 + n), profile).unwrap(),

@@ -292,14 +292,6 @@ impl FitError {
             _ => None,
         }
     }
-
-    /// Sets the measurement of [`FitError::NoSliding`] to index `place`, from 0; other errors are unchanged.
-    pub(crate) fn with_place(self, place: usize) -> Self {
-        match self {
-            Self::NoSliding { pressure_pa, status, .. } => Self::NoSliding { number: place + 1, pressure_pa, status },
-            other => other,
-        }
-    }
 }
 
 impl Problem {

@@ -59,7 +59,7 @@ pub(crate) fn outcome(
     surface: SurfaceFindings,
     Learned { discrepancy: learned, warnings: trial_warnings, lands, .. }: Learned,
 ) -> Result<CalibrationOutcome, CalibrationError> {
-    let (by_condition, (friction, mut uncertainty)) = match task.coefficients {
+    let (rows, (friction, mut uncertainty)) = match task.coefficients {
         Coefficients::Single => (Vec::new(), single_pair(task, &fit)?),
         Coefficients::PerCondition => {
             let rows = fitted_rows(task, &measurements, &fit);
@@ -96,15 +96,11 @@ pub(crate) fn outcome(
         source: task.source.clone(),
         synthetic_surface: surface.synthetic,
         notes,
-        warnings: [
-            warnings(task, &surface, area_law.as_ref(), &by_condition, fit_warnings),
-            contradicting,
-            trial_warnings,
-        ]
-        .concat(),
+        warnings: [warnings(task, &surface, area_law.as_ref(), &rows, fit_warnings), contradicting, trial_warnings]
+            .concat(),
     };
     let material = Material { elastic, friction, area_law, provenance };
-    Ok(CalibrationOutcome { material, uncertainty, measurements, fit, by_condition, surface })
+    Ok(CalibrationOutcome { material, uncertainty, measurements, fit, by_condition: rows, surface })
 }
 
 /// Warnings about the surface, the fit, the measurements and the table of the law.

@@ -91,9 +91,11 @@ fn solve_ends(problem: &Problem, loads: &[AtLoad], log_scale: f64) -> Result<Vec
         let pair = |load: &AtLoad| LocalFriction::new(load.nodes[node], load.nodes[node], problem.relative_std);
         let pairs = loads.iter().map(pair).collect::<Result<_, _>>()?;
         // An error names the first measurement at the load.
-        let found = flat_sample::steady(&solved, &pairs).map_err(|error| {
-            let load = error.measurement().and_then(|number| loads.get(number - 1));
-            load.map_or(error.clone(), |load| error.with_place(load.first))
+        let found = flat_sample::steady(&solved, &pairs).map_err(|error| match error {
+            FitError::NoSliding { number, pressure_pa, status } => {
+                FitError::NoSliding { number: loads[number - 1].first + 1, pressure_pa, status }
+            }
+            error => error,
         })?;
         let end =
             |(place, (mu, load)): (usize, (&f64, &AtLoad))| mu / (load.nodes[node] * factor_at(law, &solved, place));

@@ -10,8 +10,8 @@ use crate::calibrate::{Fit, Measurement, Problem};
 
 /// Relative standard deviation of the local coefficient mu_d, including the errors of the area law. `conditional` is
 /// the relative standard deviation for a given `law`, `log_modulus_std` the standard deviation of the logarithm of
-/// Young's modulus, and `loads` are the measurements from which the coefficient was fitted: pairs of nominal pressure, in
-/// pascals, and weight in the coefficient.
+/// Young's modulus, and `loads` are the measurements from which the coefficient was fitted: pairs of nominal pressure,
+/// in pascals, and weight in the coefficient.
 ///
 /// # Errors
 /// [`MaterialError`] if the law cannot be shifted.

@@ -205,7 +205,7 @@ pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
     })
 }
 
-/// Of `pairs`, those with the lowest and highest flat friction at each force.
+/// Pairs with the lowest and highest flat friction at each force.
 fn extreme_pairs(pairs: &[Pair]) -> Vec<Pair> {
     let mut extreme: Vec<Pair> = Vec::new();
     for [flat, _] in pairs {

@@ -361,9 +361,10 @@ fn read_measured(
 ) -> Result<Measured, Diagnostic> {
     let mut tables = [Vec::new(), Vec::new()];
     if let Some(table) = &file.measurements {
-        let names = [&table.get_ref().flat, &table.get_ref().patterned];
-        for (kind, name) in names.into_iter().enumerate().filter_map(|(kind, name)| Some((kind, name.as_ref()?))) {
-            tables[kind] = measurements::read(document, name, samples)?;
+        for (rows, name) in tables.iter_mut().zip([&table.get_ref().flat, &table.get_ref().patterned]) {
+            if let Some(name) = name {
+                *rows = measurements::read(document, name, samples)?;
+            }
         }
     }
     let mut read = Vec::new();

@@ -258,8 +258,10 @@ impl Plausible {
     /// Range of measured values with examples, if `value` cannot be measured.
     pub fn judge(&self, value: f64) -> Result<Option<String>, String> {
         let within = |[from, to]: [f64; 2]| value >= from && value <= to;
-        let slip = self.slip(value).map_or_else(String::new, |slip| format!("; {slip}"));
-        let described = |[from, to]: [f64; 2]| format!("{from} to {to}{}, as {}{slip}", self.after_number(), self.why);
+        let described = |[from, to]: [f64; 2]| {
+            let slip = self.slip(value).map_or_else(String::new, |slip| format!("; {slip}"));
+            format!("{from} to {to}{}, as {}{slip}", self.after_number(), self.why)
+        };
         if within(self.usual) {
             Ok(None)
         } else if within(self.measurable) {

@@ -191,7 +191,9 @@ impl SceneInput {
         let modulus_gpa = MODULUS_GPA.from_si(scene.elastic.youngs_modulus_pa());
         told.extend(unusual::of_scene(&document, &file, modulus_gpa));
         told.extend(unusual::of_speed(&document, file.load.get_ref(), &scene));
-        if let Some(extent) = document.place("run", "extent").filter(|_| scene.is_strip_aslant()) {
+        if scene.is_strip_aslant()
+            && let Some(extent) = document.place("run", "extent")
+        {
             return Err(document
                 .refuse(extent, "asks for a strip of a pattern that slides aslant, and repeats at no distance across")
                 .expected("\"cell\", or a sliding direction along or across the rows"));

@@ -92,7 +92,12 @@ fn needs(document: &Document, name: &Spanned<TradeOffGoal>, given: &Given<'_>) -
         TradeOffGoal::Chance if !given.target.has_demands() || given.target.goal().is_some() => {
             ("is that of designs on a target", "a value or a band in [target], and no goal")
         }
-        _ => return Ok(()),
+        TradeOffGoal::LaserTime
+        | TradeOffGoal::Misfit
+        | TradeOffGoal::Spread
+        | TradeOffGoal::Chance
+        | TradeOffGoal::Volume
+        | TradeOffGoal::PeakPressure => return Ok(()),
     };
     Err(document.refuse(name.span(), reason).expected(expected))
 }

@@ -76,7 +76,7 @@ mod tests {
             ("20 µm, 20 μm at 45°", "20 um, 20 um at 45 deg"),
             ("130 ± 8 µm × 2 – “wide” … m², 10³, H₂O", "130 +- 8 um x 2 - \"wide\" ... m2, 103, H2O"),
             ("φ = 30°, Δ, Ω", "phi = 30 deg, Delta, Ohm"),
-            // As written by file systems that decompose accents.
+            // File systems that decompose accents write them so.
             ("Mu\u{308}hle, Sche\u{301}ma, nai\u{308}f", "Muehle, Schema, naif"),
             ("plain (1) \"text\"", "plain (1) \"text\""),
             ("表面\n\t\u{7f}", "?????"),

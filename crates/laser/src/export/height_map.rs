@@ -50,8 +50,8 @@ impl HeightMap {
         Ok(Self { pixel_m, size, slope: laser.slope() })
     }
 
-    /// Fills `heights` with the pixels of a row as written to the file. Row 0 has the largest y. Each cell of the lattice
-    /// is looked up once, and walls are tested only where the row meets them.
+    /// Fills `heights` with the pixels of a row as written to the file. Row 0 has the largest y. Each cell of the
+    /// lattice is looked up once, and walls are tested only where the row meets them.
     fn row(&self, layout: &Layout, row: u32, heights: &mut [u16]) {
         heights.fill(FACE);
         let y_m = self.y_m(row);

@@ -249,14 +249,13 @@ impl Layout {
         let row = (y_m / across_m).round() as i64;
         let shift = if self.is_shifted(row) { 0.5 } else { 0.0 };
         let column = (x_m / pitch_m - shift).round();
-        let mut places = vec![(column as i64, row)];
-        if self.pattern.texture().outline().is_some() && length_m > across_m {
-            // Neighbours in the rows below and above at half a pitch to either side.
-            let left = column as i64 - i64::from(!self.is_shifted(row));
-            places.extend([(left, row - 1), (left + 1, row - 1), (left, row + 1), (left + 1, row + 1)]);
-        }
+        // Neighbours in the rows below and above at half a pitch to either side.
+        let left = column as i64 - i64::from(!self.is_shifted(row));
+        let beside = [(left, row - 1), (left + 1, row - 1), (left, row + 1), (left + 1, row + 1)];
+        let reaches = self.pattern.texture().outline().is_some() && length_m > across_m;
+        let places = std::iter::once((column as i64, row)).chain(beside.into_iter().filter(|_| reaches));
         let laid = |(column, row)| self.cut(self.cavity(column, row, length_m));
-        Cell { cavities: places.into_iter().filter_map(laid).collect(), end_x_m: (column + shift + 0.5) * pitch_m }
+        Cell { cavities: places.filter_map(laid).collect(), end_x_m: (column + shift + 0.5) * pitch_m }
     }
 
     /// Returns the cavity complete or cut at the border, of which nothing may remain; `None` if it is left out.

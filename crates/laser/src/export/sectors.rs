@@ -193,8 +193,9 @@ impl Sector {
         }
         let layout = division.specimen.layout(pattern)?;
         let sector = Self { division, number, layout, cavities: 0, cavity_area_m2: 0.0 };
-        let areas_m2: Vec<f64> = sector.own_boundaries().map(|boundary| boundary.area_m2()).collect();
-        Ok(Self { cavities: areas_m2.len(), cavity_area_m2: areas_m2.iter().fold(0.0, |sum, own| sum + own), ..sector })
+        let (cavities, cavity_area_m2) =
+            sector.own_boundaries().fold((0, 0.0), |(count, area_m2), own| (count + 1, area_m2 + own.area_m2()));
+        Ok(Self { cavities, cavity_area_m2, ..sector })
     }
 
     /// Number of the sector, from 1.

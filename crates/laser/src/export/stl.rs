@@ -12,8 +12,6 @@ use crate::export::{Cavity, ExportError, Heading, Laser, Layout};
 
 /// Number of corners of a round cavity: its area is 0.16 % too small.
 pub const CHORDS: u32 = 64;
-/// Buffer size, in bytes, from which data is written.
-const BLOCK: usize = 1 << 16;
 
 /// Writes the solids of the cavities of `layout`, with the wall taper of `laser`.
 ///
@@ -26,7 +24,7 @@ pub fn stl(layout: &Layout, laser: &Laser, heading: &Heading, to: &mut dyn Write
     let triangles: u64 =
         layout.iter().flat_map(|cavity| solids(&cavity, inset_m)).map(|(face, _)| 4 * (face.len() as u64) - 4).sum();
     let count = u32::try_from(triangles).map_err(|_| io::Error::other("more triangles than STL can count"))?;
-    let mut to = io::BufWriter::with_capacity(BLOCK, to);
+    let mut to = io::BufWriter::new(to);
     let text = format!("slipgrid {}: removed volume, mm", heading.version);
     to.write_all(&text.bytes().chain(std::iter::repeat(b' ')).take(80).collect::<Vec<u8>>())?;
     to.write_all(&count.to_le_bytes())?;

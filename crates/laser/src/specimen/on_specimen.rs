@@ -103,8 +103,8 @@ fn with_specimen_length(specimen: &Specimen, pattern: &Pattern, scene: &Scene) -
     scene
 }
 
-/// Strips of `layout` for the solver: strips of all `bands` for grooves across the sliding direction, and the strip through the
-/// middle of the cavities for other planforms in two dimensions.
+/// Strips of `layout` for the solver: those of all `bands` for grooves across the sliding direction, and the strip
+/// through the middle of the cavities for other planforms in two dimensions.
 fn solved_face(bands: usize, layout: &Layout, block_m: f64) -> Result<Face, SceneError> {
     let is_groove = layout.pattern().texture().is_one_section();
     let strips = if is_groove { layout.strips(bands) } else { layout.central_strip() };

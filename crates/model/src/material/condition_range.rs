@@ -94,9 +94,9 @@ impl ConditionRange {
         };
         let mut extremes = Vec::new();
         for (i, at_speed) in conditions.iter().enumerate() {
+            let across: Vec<&Vec<f64>> = shares[i].iter().collect();
             for (j, condition) in at_speed.iter().enumerate() {
                 let along: Vec<&Vec<f64>> = shares.iter().map(|row| &row[j]).collect();
-                let across: Vec<&Vec<f64>> = shares[i].iter().collect();
                 if !is_interpolated(&logs, i, &along) && !is_interpolated(&humidities, j, &across) {
                     extremes.push(*condition);
                 }

@@ -1,6 +1,7 @@
 use crate::material::MaterialError;
 use crate::material::condition::{Condition, between, round};
 use crate::material::error::{not_negative, positive};
+use slipgrid_base::statistics::extremes;
 
 /// Means and scatter of the local friction coefficients. Each contact block draws mu_s = static_mean (1 + s g1) and
 /// mu_d = dynamic_mean (1 + s g2), with the relative standard deviation s and standard normal g1 and g2.
@@ -139,8 +140,7 @@ impl Friction {
                 (Some(condition), Some(own)) => condition.matches(own),
                 _ => true,
             });
-            rows.map(|row| row.pressure_pa)
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at_pa| [low.min(at_pa), high.max(at_pa)])
+            extremes(rows.map(|row| row.pressure_pa))
         };
         let common = about.iter().map(ends_pa).reduce(|[low, high], [from, to]| [low.max(from), high.min(to)])?;
         (common[0] <= common[1]).then_some(common)

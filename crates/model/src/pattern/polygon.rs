@@ -4,6 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::pattern::PatternError;
 use crate::pattern::geometry::{contains, cross, doubled_area, edges, meet, point_to_segment};
+use slipgrid_base::statistics::extremes;
 
 /// Outline of a cavity seen from above: a closed simple polygon without holes, convex or concave.
 ///
@@ -186,12 +187,7 @@ const MIN_AREA: f64 = 1e-9;
 /// Scales vertices to a bounding box about the origin that is 1 wide, and rounds them to the grid. Returns the vertices
 /// and the extent along y; `None` if an extent is zero or not finite, or one is more than a million times the other.
 fn normalized(vertices: &[[f64; 2]]) -> Option<(Vec<[f64; 2]>, f64)> {
-    let range = |axis: usize| {
-        vertices
-            .iter()
-            .map(|at| at[axis])
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], c| [low.min(c), high.max(c)])
-    };
+    let range = |axis: usize| extremes(vertices.iter().map(|at| at[axis]));
     let [[left, right], [low, high]] = [range(0), range(1)];
     let (width, length) = (right - left, (high - low) / (right - left));
     // Aspect ratios beyond a million are refused.

@@ -197,7 +197,7 @@ impl TextureRecord {
         };
         let profile = self.rim_profile.as_ref();
         let profile = profile
-            .map(|name| KeyError::choice("rim_profile", name, &RimProfile::ALL, RimProfile::name))
+            .map(|name| KeyError::choice("rim_profile", name, &RimProfile::IN_FILES, RimProfile::name))
             .transpose()?;
         let std_m = si("rim_height_std_um", self.rim_height_std_um, RIM_HEIGHT_UM)?.unwrap_or(0.0);
         Rim::following_depth(&heights_m, width_m, profile.unwrap_or_default())

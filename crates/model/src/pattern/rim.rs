@@ -10,7 +10,6 @@
 //! edge.
 
 use std::f64::consts::PI;
-use std::fmt;
 
 use crate::pattern::PatternError;
 use crate::pattern::error::{length, um};
@@ -32,21 +31,11 @@ pub enum RimProfile {
     HalfSine,
 }
 
+names!(RimProfile { Round = "round", Flat = "flat", Ramp = "ramp", HalfSine = "half-sine" });
+
 impl RimProfile {
     /// Profiles allowed in pattern files, in the order in which help texts list them.
-    pub const ALL: [Self; 3] = [Self::Round, Self::Flat, Self::Ramp];
-    /// Profiles compared with measured rims, in the order in which help texts list them.
-    pub const MEASURED: [Self; 4] = [Self::Round, Self::Flat, Self::Ramp, Self::HalfSine];
-
-    /// The name used in files, options and results.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Round => "round",
-            Self::Flat => "flat",
-            Self::Ramp => "ramp",
-            Self::HalfSine => "half-sine",
-        }
-    }
+    pub const IN_FILES: [Self; 3] = [Self::Round, Self::Flat, Self::Ramp];
 
     /// Height over the maximum height at `s`, the distance from the edge over the rim's width; 0 unless `s` is within 0
     /// to 1.
@@ -91,12 +80,6 @@ impl RimProfile {
             Self::Ramp => 1.0,
             Self::HalfSine => -PI * libm::cos(PI * s),
         }
-    }
-}
-
-impl fmt::Display for RimProfile {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

@@ -286,7 +286,7 @@ impl SteadyCell {
 /// Model of a cell whose face has height variations. Returns `None` for a flat face, or if the equations of all blocks
 /// are needed.
 pub fn raised_model(lattice: &Lattice, block_m: f64, elastic: Elastic) -> Option<RaisedModel> {
-    lattice.is_raised().then(|| RaisedModel::new(lattice, block_m, elastic))?
+    if lattice.is_raised() { RaisedModel::new(lattice, block_m, elastic) } else { None }
 }
 
 /// Estimated number of multiply-adds, and memory in bytes, for the cell of `pattern` on a thick specimen with blocks of

@@ -1,5 +1,6 @@
 //! Axes of plots: ranges and ticks.
 
+pub(crate) use slipgrid_base::statistics::extremes;
 use slipgrid_base::units::tidy;
 
 /// Axis: title with unit, range, and ticks.
@@ -122,11 +123,6 @@ impl Axis {
     pub(super) fn share(&self, value: f64) -> f64 {
         (value - self.range[0]) / (self.range[1] - self.range[0])
     }
-}
-
-/// Minimum and maximum of `values`; infinity and minus infinity if there are no values.
-pub(crate) fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
-    values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
 }
 
 /// Converts a whole decimal logarithm to an integer, limited to powers of finite numbers, so that an infinite end of a

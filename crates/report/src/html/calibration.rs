@@ -217,8 +217,8 @@ fn open(fitted: &Fitted) -> Vec<String> {
     all.extend(fit.parameters.iter().filter_map(|parameter| {
         let ends = match parameter.interval {
             [Some(_), Some(_)] if parameter.std_error.is_finite() => return None,
-            [Some(_), None] => format!("above {}", value(parameter, parameter.interval[0])),
-            [None, Some(_)] => format!("below {}", value(parameter, parameter.interval[1])),
+            [low @ Some(_), None] => format!("above {}", value(parameter, low)),
+            [None, high @ Some(_)] => format!("below {}", value(parameter, high)),
             _ => "anywhere within its bounds".to_owned(),
         };
         let bound =

@@ -375,14 +375,14 @@ impl Page {
     /// Adds a picture of two periods of a pattern in vertical section; adds nothing if a length is not positive.
     pub fn section(&mut self, pattern: &PatternReport, is_labelled: bool) {
         let svg = section(pattern, is_labelled);
-        let rim = pattern.rim_words().map_or_else(String::new, |rim| format!("; {rim}"));
         let caption = if is_labelled {
-            &format!("Vertical section through the centres of cavities, along their row{rim}")
+            let rim = pattern.rim_words().map_or_else(String::new, |rim| format!("; {rim}"));
+            format!("Vertical section through the centres of cavities, along their row{rim}")
         } else {
-            "Section of two periods, to scale"
+            "Section of two periods, to scale".to_owned()
         };
         if !svg.is_empty() {
-            self.picture(&svg, caption);
+            self.picture(&svg, &caption);
         }
     }
 

@@ -10,7 +10,7 @@
 use std::fmt;
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
-use slipgrid_base::statistics::upper_median;
+use slipgrid_base::statistics::{extremes, upper_median};
 use slipgrid_base::units::counted;
 
 use crate::topography::HeightMap;
@@ -153,10 +153,7 @@ impl HeightMap {
             let difference = (heights[node] - self.median_about(node)).abs();
             differences.extend(Some(difference).filter(|difference| !difference.is_nan()));
         }
-        let (least, most) = heights
-            .iter()
-            .filter(|height| !height.is_nan())
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &height| (least.min(height), most.max(height)));
+        let [least, most] = extremes(heights.iter().copied());
         Ok(threshold_m(&mut differences, ROUNDING * (most - least)))
     }
 

@@ -9,15 +9,7 @@ use std::thread;
 use slipgrid_design::export::{Heading, Outline, Specimen, dxf};
 use slipgrid_design::material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_design::optimize::{DesignSpace, Quantity, Target, TargetPoint};
-use slipgrid_design::{DesignTask, Monitor, NoCache, pattern::Planform, run, springblock::Layer};
-
-struct Button(AtomicBool);
-
-impl Monitor for Button {
-    fn cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
+use slipgrid_design::{DesignTask, NoCache, pattern::Planform, run, springblock::Layer};
 
 fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let friction = Friction::Single(LocalFriction::new(0.30, 0.27, 0.05)?);
@@ -28,9 +20,9 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let specimen = Specimen { outline: Outline::Disc { diameter_m: 4e-3 }, is_clipped: false };
     let layer = Layer { length_m: 4e-3, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None };
     let task = DesignTask::new(material, target, space, specimen, layer);
-    let button = Button(AtomicBool::new(false));
+    let button = AtomicBool::new(false);
     let found = thread::scope(|scope| {
-        scope.spawn(|| button.0.store(std::env::args().any(|argument| argument == "--cancel"), Ordering::Relaxed));
+        scope.spawn(|| button.store(std::env::args().any(|argument| argument == "--cancel"), Ordering::Relaxed));
         run(&task, &mut NoCache, &button)
     })?;
     println!("{}", found.report.summary());

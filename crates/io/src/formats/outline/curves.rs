@@ -3,14 +3,15 @@
 use std::f64::consts::{PI, TAU};
 
 use super::{Corners, FLATTENING};
+use slipgrid_base::statistics::extremes;
 
 /// Maximum number of chords of one curve; the tolerance `FLATTENING` requires some hundreds.
 const MAX_CHORDS: f64 = 1000.0;
 
 fn extent(points: &[[f64; 2]]) -> f64 {
     let along = |axis: usize| {
-        let at = points.iter().map(|point| point[axis]);
-        at.clone().fold(f64::NEG_INFINITY, f64::max) - at.fold(f64::INFINITY, f64::min)
+        let [low, high] = extremes(points.iter().map(|point| point[axis]));
+        high - low
     };
     along(0).max(along(1))
 }

@@ -8,7 +8,7 @@ use super::protocol::Protocol;
 #[derive(Clone, Debug)]
 pub struct Setup<'a, const H: usize> {
     pub contact: ContactRow<'a, H>,
-    /// Unit vector of the sliding direction.
+    /// Unit vector of the sliding direction; in the plane always 1.
     pub direction: [f64; H],
     /// Load and motion of the bulk.
     pub protocol: Protocol,

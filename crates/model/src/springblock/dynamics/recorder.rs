@@ -194,6 +194,7 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::springblock::tests::samples::uniform;
 
     /// An engine with one block that has slipped or not.
     struct OneBlock(bool);
@@ -215,12 +216,10 @@ mod tests {
     fn standard_error_of_independent_samples_is_that_of_their_mean() {
         let mut contact = OneBlock(true);
         let mut recorder = Recorder::new(1, 1.0, 0.0, 0);
-        let mut bits: u64 = 1;
+        let mut uniform = uniform(1);
         let n = 20_000;
         for _ in 0..n {
-            bits = bits.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            let noise = (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            let sums = ContactSums { friction: 0.3 + noise, normal: 1.0, ..ContactSums::default() };
+            let sums = ContactSums { friction: uniform() - 0.2, normal: 1.0, ..ContactSums::default() };
             recorder.record(sums, &mut contact);
         }
         let mean = recorder.window_mean().unwrap();

@@ -47,15 +47,11 @@ pub fn stationary_from(record: &[f64], min_values: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::springblock::tests::samples::uniform;
 
     fn noise(count: usize) -> Vec<f64> {
-        let mut bits: u64 = 5;
-        (0..count)
-            .map(|_| {
-                bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-            })
-            .collect()
+        let mut uniform = uniform(5);
+        (0..count).map(|_| uniform() - 0.5).collect()
     }
 
     #[test]

@@ -20,6 +20,7 @@ use super::dense::{add_times, solve_many};
 use super::newton::{friction_at, friction_slope};
 use super::{Equilibrium, SteadyLoad, TOLERANCE, displacement_unit, unloaded};
 use crate::material::Elastic;
+use slipgrid_base::statistics::extremes;
 
 use crate::springblock::{Lattice, Status, SurfaceOutcome};
 
@@ -107,8 +108,7 @@ impl RaisedModel {
         let relief: Vec<f64> = history.relief.iter().map(|r| r / unit).collect();
         // N = p w, forces in units of P l^2
         let cap = |width: f64| self.elastic.yield_pressure_pa().map_or(f64::INFINITY, |p| p / load.pressure_pa * width);
-        let spread =
-            relief.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], r| [low.min(*r), high.max(*r)]);
+        let spread = extremes(relief.iter().copied());
         let contacts = Contacts {
             model,
             load,

@@ -119,7 +119,7 @@ impl HeightMap {
 
 /// For each complete chord of `region` along `axis`: index of its pixel line, and its middle in metres from the first
 /// pixel's centre.
-fn middles(found: &Found, axis: usize, region: usize) -> impl Iterator<Item = (f64, f64)> + Clone {
+fn middles(found: &Found, axis: usize, region: usize) -> impl Iterator<Item = (f64, f64)> {
     let chords = found.chords[axis].iter().filter(move |chord| chord.region as usize == region);
     chords.filter_map(move |chord| {
         let (from, to) = chord.from.zip(chord.to)?;
@@ -209,7 +209,11 @@ fn of_grooves(
     let rows = found.land.height_m.len() / found.cols();
     let lines = if axis == 0 { found.cols() } else { rows };
     // Middle line of each groove: a + b line.
-    let middle: Vec<[f64; 2]> = grooves.iter().map(|&groove| line_through(middles(found, axis, groove))).collect();
+    let middle_line = |&groove: &usize| {
+        let points: Vec<(f64, f64)> = middles(found, axis, groove).collect();
+        line_through(points.iter().copied())
+    };
+    let middle: Vec<[f64; 2]> = grooves.iter().map(middle_line).collect();
     let mut centers: Vec<f64> = middle.iter().map(|[a, b]| a + b * 0.5 * (lines - 1) as f64).collect();
     centers.sort_by(f64::total_cmp);
     let mut gaps: Vec<f64> = centers.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -391,7 +391,7 @@ impl Fit {
         let kriging = Kriging::new(variogram, &profile.bins, extra)?;
         let mut fit = Self { kriging, candidates: Vec::new(), most_width_m };
         let widths = ((most_width_m / bin_m - MIN_WIDTH) / WIDTH_STEP) as usize;
-        for shape in RimProfile::MEASURED {
+        for shape in RimProfile::ALL {
             for step in 0..=widths {
                 let width_m = (MIN_WIDTH + step as f64 * WIDTH_STEP) * bin_m;
                 let candidate = fit.kriging.shape(&fit.values(scene, profile, shape, width_m));

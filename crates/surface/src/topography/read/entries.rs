@@ -14,7 +14,11 @@ pub(super) struct Entry<'a> {
     pub(super) text: &'a str,
 }
 
-impl Entry<'_> {
+impl<'a> Entry<'a> {
+    pub(super) const fn new(format: &'static str, name: &'static str, text: &'a str) -> Self {
+        Self { format, name, text }
+    }
+
     pub(super) fn refused(self, expected: &'static str) -> ReadError {
         ReadError::Field { format: self.format, field: self.name, value: excerpt(self.text), expected }
     }

@@ -33,7 +33,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         let Some((key, value)) = line.split_once('=') else { continue };
         let (key, value) = (key.trim(), value.trim());
         keep_comment(&mut comments, &format!("{key}: {value}"));
-        let entry = |name| Entry { format: FORMAT, name, text: value };
+        let entry = |name| Entry::new(FORMAT, name, value);
         let side = |name| entry(name).number(|side| side > 0.0, "a length above 0").map(Some);
         let unit = |name| match value {
             "" => Ok(None),
@@ -49,8 +49,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
             _ => {}
         }
     }
-    let missing =
-        |name| Entry { format: FORMAT, name, text: "" }.refused("the number of pixels, a whole number from 1 up");
+    let missing = |name| Entry::new(FORMAT, name, "").refused("the number of pixels, a whole number from 1 up");
     let rows = header.pixels[0].ok_or_else(|| missing("YRes"))?;
     let cols = header.pixels[1].ok_or_else(|| missing("XRes"))?;
     let Header { side, lateral_unit, height_unit, .. } = header;

@@ -1,4 +1,4 @@
-//! Notes on options that replace values stated by a file, and on options without meaning for its format.
+//! Maps with the lengths that a file states, and notes on options that replace these or have no meaning for its format.
 
 use super::scale::Scale;
 use super::window::Window;
@@ -35,7 +35,7 @@ impl Lengths {
     }
 
     /// The map of the heights in `window`, which `height` converts to the unit of heights; `options` replace what the
-    /// file states, and lengths without unit are metres.
+    /// file states. Units that neither gives must have been refused if they are needed.
     pub(super) fn map(
         self,
         window: Window,

@@ -131,7 +131,7 @@ impl Entries {
     fn take(&mut self, text: &str) -> Result<bool, ReadError> {
         let Some((key, value)) = text.split_once('=') else { return Ok(false) };
         let value = value.trim();
-        let entry = |name| Entry { format: FORMAT, name, text: value };
+        let entry = |name| Entry::new(FORMAT, name, value);
         let whole = |name| value.parse().map(Some).map_err(|_| entry(name).refused("a whole number"));
         let real = |name| entry(name).number(|_| true, "a number with a decimal point").map(Some);
         match key.trim() {
@@ -148,7 +148,7 @@ impl Entries {
     }
 
     fn finish(&self) -> Result<Header, ReadError> {
-        let missing = |name| Entry { format: FORMAT, name, text: "" }.refused("a number");
+        let missing = |name| Entry::new(FORMAT, name, "").refused("a number");
         let [points, profiles] = self.counts;
         let [x, y, z] = self.scale_m;
         Header::new(
@@ -179,9 +179,7 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
         keep_comment(&mut comments, text);
         // The first line is the version; empty lines are ignored.
         if !entries.take(text)? && line > 1 && !text.is_empty() {
-            return Err(
-                Entry { format: FORMAT, name: "header", text }.refused("lines name = value, then a line with *")
-            );
+            return Err(Entry::new(FORMAT, "header", text).refused("lines name = value, then a line with *"));
         }
     };
     let header = entries.finish()?;

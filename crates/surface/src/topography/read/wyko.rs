@@ -44,8 +44,9 @@ impl Header {
                 continue;
             }
             keep_comment(&mut header.comments, &fields.join(" "));
-            let positive = |name| entry(name, value).number(|number| number > 0.0, "a number above 0").map(Some);
-            let count = |name| entry(name, value).count().map(Some);
+            let positive =
+                |name| Entry::new(FORMAT, name, value).number(|number| number > 0.0, "a number above 0").map(Some);
+            let count = |name| Entry::new(FORMAT, name, value).count().map(Some);
             match word {
                 "X Size" => header.size[0] = count("X Size")?,
                 "Y Size" => header.size[1] = count("Y Size")?,
@@ -56,7 +57,7 @@ impl Header {
                 _ => {}
             }
         }
-        Err(entry("RAW_DATA", "").refused("a block of heights"))
+        Err(Entry::new(FORMAT, "RAW_DATA", "").refused("a block of heights"))
     }
 
     /// Length that a height value of 1 represents; the second number after the format's name on the first line tells
@@ -67,27 +68,29 @@ impl Header {
             return Ok(LengthUnit::Nanometre.into());
         }
         let wavelength_nm =
-            self.wavelength_nm.ok_or_else(|| entry("Wavelength", "").refused("a number of nanometres"))?;
+            self.wavelength_nm.ok_or_else(|| Entry::new(FORMAT, "Wavelength", "").refused("a number of nanometres"))?;
         Ok(Scale::new(wavelength_nm / self.mult.unwrap_or(1.0), LengthUnit::Nanometre))
     }
-}
-
-fn entry<'a>(name: &'static str, text: &'a str) -> Entry<'a> {
-    Entry { format: FORMAT, name, text }
 }
 
 pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut lines = Lines::new(source);
     let header = Header::read(&mut lines)?;
     let [Some(along_x), Some(along_y)] = header.size else {
-        return Err(entry("X Size and Y Size", "").refused("the numbers of points, whole numbers from 1 up"));
+        return Err(
+            Entry::new(FORMAT, "X Size and Y Size", "").refused("the numbers of points, whole numbers from 1 up")
+        );
     };
     let own_m = header.pixel_mm.map(|pixel_mm| LengthUnit::Millimetre.to_metres(pixel_mm));
     let own_m = [own_m, own_m.map(|pixel_m| pixel_m * header.aspect.unwrap_or(1.0))];
     let pixel_m = match (options.pixel_m, own_m) {
         (Some(given_m), _) => given_m,
         (None, [Some(x_m), Some(y_m)]) => [x_m, y_m],
-        _ => return Err(entry("Pixel_size", "").refused("a number of millimetres, or a pixel size by option")),
+        _ => {
+            return Err(
+                Entry::new(FORMAT, "Pixel_size", "").refused("a number of millimetres, or a pixel size by option")
+            );
+        }
     };
     let own = header.scale()?;
     let scale = options.height_unit.map_or(own, Scale::from);

@@ -112,7 +112,7 @@ impl Entries {
         if text.is_empty() && name != "Datum" {
             return Ok(());
         }
-        let entry = |name| Entry { format: FORMAT, name, text };
+        let entry = |name| Entry::new(FORMAT, name, text);
         let whole = |name| entry(name).count().map(Some);
         let real = |name| entry(name).number(|_| true, "a number of metres");
         match (parent.as_str(), name.as_str()) {
@@ -185,6 +185,6 @@ fn datum(text: &str) -> Result<f64, ReadError> {
     if last.is_empty() || last.eq_ignore_ascii_case("nan") {
         return Ok(f64::NAN);
     }
-    let entry = Entry { format: FORMAT, name: "Datum", text };
+    let entry = Entry::new(FORMAT, "Datum", text);
     number(last).ok_or_else(|| entry.refused("a number, or nothing where it is missing"))
 }

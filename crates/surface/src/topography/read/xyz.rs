@@ -114,16 +114,14 @@ impl XyzReader {
             Ok(HeightMap::new(along_x.count as usize, along_y.count as usize, dx_m, dy_m, height_m)?)
         };
         let Self { scan, any, .. } = self;
-        let points = match any {
-            Some(points) => points,
-            None => match from_scan(&scan, height_unit) {
-                Some((grid, height_m)) => {
-                    drop(scan);
-                    return map(grid, height_m);
-                }
-                None => scan.points().collect(),
-            },
-        };
+        if any.is_none()
+            && let Some((grid, height_m)) = from_scan(&scan, height_unit)
+        {
+            drop(scan);
+            return map(grid, height_m);
+        }
+        let points = any.unwrap_or_else(|| scan.points().collect());
+        drop(scan);
         let (grid, height_m) = from_points(&points, height_unit)?;
         drop(points);
         map(grid, height_m)

@@ -44,7 +44,8 @@ impl Header {
                 None => break,
             }
         }
-        Err(entry("number of header lines", &header.len().to_string()).refused("at most 40, then a line with #"))
+        Err(Entry::new(FORMAT, "number of header lines", &header.len().to_string())
+            .refused("at most 40, then a line with #"))
     }
 
     fn of(lines: Vec<String>) -> Result<Self, ReadError> {
@@ -54,7 +55,7 @@ impl Header {
         let size = counts.iter().position(|count| *count == 4);
         let optics = size.and_then(|size| (size + 1..counts.len()).find(|line| counts[*line] >= 7));
         let expected = "a line of four numbers and one of seven or more above the line with #";
-        let (size, optics) = size.zip(optics).ok_or_else(|| entry("header", "").refused(expected))?;
+        let (size, optics) = size.zip(optics).ok_or_else(|| Entry::new(FORMAT, "header", "").refused(expected))?;
         Ok(Self { lines, size, optics })
     }
 
@@ -66,7 +67,7 @@ impl Header {
         accepts: fn(f64) -> bool,
     ) -> Result<f64, ReadError> {
         let word = self.lines.get(line).and_then(|line| line.split_whitespace().nth(place)).unwrap_or_default();
-        entry(field, word).number(accepts, "a number that the format allows, at its place")
+        Entry::new(FORMAT, field, word).number(accepts, "a number that the format allows, at its place")
     }
 
     fn count(&self, field: &'static str, place: [usize; 2]) -> Result<u64, ReadError> {
@@ -98,10 +99,6 @@ impl Header {
             self.number("phase resolution", [self.optics + 3, 0], |number| [0.0, 1.0, 2.0].contains(&number))?;
         Ok(scale_factor * wavelength_m * obliquity / PHASE_STEPS[resolution as usize])
     }
-}
-
-fn entry<'a>(name: &'static str, text: &'a str) -> Entry<'a> {
-    Entry { format: FORMAT, name, text }
 }
 
 pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {

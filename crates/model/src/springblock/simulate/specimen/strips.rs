@@ -24,7 +24,6 @@ pub const STRIP_HEIGHTS: f64 = 15.0;
 const MIN_END_BLOCKS: f64 = 2.0;
 
 /// Part of the face that is solved on one lattice.
-#[derive(Clone, Copy)]
 struct Piece {
     /// Index of the band of its strip.
     band: usize,
@@ -32,7 +31,7 @@ struct Piece {
     area_m2: f64,
     /// Area of the cavities, in square metres.
     cavity_area_m2: f64,
-    /// Index of its lattice; the cells between the ends of all strips have the same.
+    /// Index of its lattice; equal lattices have one index.
     lattice: usize,
 }
 
@@ -168,8 +167,8 @@ impl SteadyFace {
         let (scene, pattern) = (&without_thickness(scene), &without_rim(pattern));
         let plan = Plan::new(&scene.layer, pattern, face);
         plan.affordable()?;
-        let model = |lattice: &Lattice| monitor.heed().ok().map(|()| SteadyModel::for_scene(scene, lattice.clone()));
-        let models: Option<Vec<SteadyModel>> = plan.lattices.par_iter().map(model).collect();
+        let model = |lattice: Lattice| monitor.heed().ok().map(|()| SteadyModel::for_scene(scene, lattice));
+        let models: Option<Vec<SteadyModel>> = plan.lattices.into_par_iter().map(model).collect();
         let Some(models) = models else { return Ok(None) };
         // P_s = k_s d with sum A_s P_s = P sum A_s
         let stiffness: Vec<f64> = models.iter().map(SteadyModel::stiffness_per_length).collect();

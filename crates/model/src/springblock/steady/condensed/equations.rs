@@ -126,7 +126,7 @@ impl Equations {
                 }
             }
         }
-        let of_layout = Self {
+        Some(Self {
             nx,
             explicit,
             contacts,
@@ -138,8 +138,7 @@ impl Equations {
             runs,
             height_at,
             tied_heights,
-        };
-        Some(of_layout)
+        })
     }
 
     /// Number of multiplications and additions for condensing and for the iterations. The substitutions of the band
