@@ -96,8 +96,6 @@ pub struct DesignReport {
     pub target: TargetReport,
     /// Confirming run of the model alone, at the pressures of the target.
     pub confirmed: Vec<LoadReport>,
-    /// Limits that the design violates.
-    pub violations: Vec<String>,
     /// Stages for which the time limit was too short.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cut_short: Vec<Cow<'static, str>>,

@@ -41,7 +41,7 @@ pub struct Explorer {
     /// Interpolated log odds ln(p / (1 - p)), p the chance that a sample is on target.
     pub log_odds: ResponseSurface,
     /// Five interpolated values: logarithm of the maximum local pressure in MPa, minimum height of a cavity's ceiling
-    /// under load in micrometres, share of the specimen's face that is cavity, laser time in seconds (0 if unknown),
+    /// under load in micrometres, share of the specimen's face that is cavity, logarithm of the laser time in seconds (0 if unknown),
     /// and minimum ratio of local to nominal pressure.
     pub beside: ResponseSurface,
     /// Indices of nodes that the model cannot compute; no values are interpolated between them and adjacent nodes.
@@ -128,7 +128,7 @@ impl Explored {
             peak_pressure_mpa: beside[0].exp(),
             clearance_um: beside[1],
             areal_density: beside[2],
-            laser_s: Some(beside[3]).filter(|laser_s| *laser_s > 0.0),
+            laser_s: self.task.laser_time_s(&self.pattern).map(|_| beside[3].exp()),
         })
     }
 
@@ -220,7 +220,7 @@ impl Explorer {
                 PRESSURE_MPA.from_si(peak_pa).ln(),
                 answer.clearance_um.unwrap_or_else(|| LENGTH_UM.from_si(pattern.depth_m())),
                 task.specimen.layout(*pattern).ok()?.areal_density(),
-                task.laser_time_s(pattern).unwrap_or(0.0),
+                task.laser_time_s(pattern).map_or(0.0, f64::ln),
                 answer.least_pressure,
             ])
         };

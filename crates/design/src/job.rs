@@ -3,7 +3,7 @@
 
 use crate::results::{VERSION, load_reports, measured_range, section_note};
 use slipgrid_base::monitor::{CachingMonitor, Monitor};
-use slipgrid_base::units::{PRESSURE_MPA, tidy};
+use slipgrid_base::units::tidy;
 use slipgrid_laser::export::{Removal, burst_warnings};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Load, Scene, Simulation};
@@ -13,7 +13,7 @@ use crate::advice::Advice;
 use crate::blocked::{blocked_by, bounds_reached};
 use crate::confirmation::confirm;
 use crate::design_report::{DesignReport, GoalReport, SCHEMA};
-use crate::evaluation_cache::{Answer, EvaluationCache};
+use crate::evaluation_cache::EvaluationCache;
 use crate::explorer::Explorer;
 use crate::lattice_table::Lattice;
 use crate::operating_conditions::statements;
@@ -170,11 +170,6 @@ fn reported(
         said.model(format!("{}; beyond that the nearest measurement's coefficients were taken", measured_range(range)));
     }
     said.model.extend(section.map(section_note));
-    // The outer lands of the specimen that was run may carry a higher pressure than the cell.
-    let of_run_mpa = PRESSURE_MPA.from_si(confirmed.peak_pressure_pa());
-    let of_specimen = |cell: Answer| Answer { peak_pressure_mpa: cell.peak_pressure_mpa.max(of_run_mpa), ..cell };
-    let answer = search.models.own.steady(&pattern).map(of_specimen);
-    let broken = answer.and_then(|answer| search.violations(&pattern, &answer)).unwrap_or_default();
     let report = DesignReport {
         program: "slipgrid".into(),
         version: VERSION.into(),
@@ -205,7 +200,6 @@ fn reported(
         extent: scene.run.extent.name().into(),
         target: (&task.target).into(),
         confirmed: load_reports(&confirmed, section, &prepared.outside),
-        violations: broken.iter().map(ToString::to_string).collect(),
         cut_short: cut_short.into_iter().map(Into::into).collect(),
         model: said.model,
         method: said.method,

@@ -18,7 +18,7 @@ use crate::DesignError;
 use crate::as_cut::CutTexture;
 use crate::band::Asked;
 use crate::next_report::{NextReport, RatioPrediction};
-use crate::next_trial::{NextOptions, coarse, new_report};
+use crate::next_trial::{NextOptions, coarse, new_report, unkept};
 use crate::optimize::DesignSpace;
 use crate::prediction::{MEASURED_STD, Prediction, percent};
 use crate::prepared_task::PreparedTask;
@@ -216,11 +216,11 @@ pub fn choose(task: &DesignTask, options: &NextOptions, division: &Division, mon
 /// Report and textures of the sectors.
 type Chosen = Result<(NextReport, Vec<Pattern>), DesignError>;
 
-/// Designs of `search` that fit on a sector, keep all limits and are not pending, spread over the bounds.
+/// Designs of `search` that fit on a sector and are not pending, spread over the bounds.
 fn candidates(search: &Search<'_>, options: &NextOptions, division: &Division) -> Vec<CutTexture> {
     let spread = Steps::new(search.task).spread(CANDIDATES).into_iter();
     let open = spread.filter(|pattern| options.is_open(pattern, Some(division)));
-    open.filter_map(|pattern| search.interpolated(&pattern)).filter(|texture| texture.excess <= 0.0).collect()
+    open.filter_map(|pattern| search.interpolated(&pattern)).collect()
 }
 
 /// Pair of indices of textures, with its information in bits.
@@ -258,7 +258,8 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division) ->
     let of_side = |(side, of): (usize, &&Search<'_>)| {
         candidates(of, options, division).into_iter().map(move |texture| (side, texture))
     };
-    let all: Vec<(usize, CutTexture)> = searches.iter().enumerate().flat_map(of_side).collect();
+    let (all, unkept_by): (Vec<(usize, CutTexture)>, Vec<_>) =
+        searches.iter().enumerate().flat_map(of_side).partition(|(_, texture)| texture.excess == 0.0);
     let joint = |pair: [&CutTexture; SECTORS]| search.predictor.on_one_disc(&pair.map(CutTexture::candidate));
     let bits = |[a, b]: [usize; SECTORS]| joint([&all[a].1, &all[b].1]).family_bits(MEASURED_STD);
     let is_equal = |a: usize, b: usize| all[a].1.pattern.lengths_m() == all[b].1.pattern.lengths_m();
@@ -271,8 +272,11 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division) ->
         [0, all.len().saturating_sub(1)].into_iter().flat_map(pairs).filter(|[a, b]| a != b).collect()
     };
     let Some([start, best]) = greatest(&starts, all.len(), &bits) else {
-        let has_one = all.len() == 1;
-        return Err(DesignError::Failed(if has_one { ONE_TEXTURE.to_owned() } else { coarse(division) }));
+        return Err(DesignError::Failed(match (all.len(), unkept_by.len()) {
+            (0, 1..) => unkept(std::iter::empty()),
+            (1, _) => ONE_TEXTURE.to_owned(),
+            _ => coarse(division),
+        }));
     };
     search.stage.heed()?;
     let [a, b] = if all[best.0[0]].0 > all[best.0[1]].0 { [best.0[1], best.0[0]] } else { best.0 };

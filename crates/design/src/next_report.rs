@@ -39,9 +39,9 @@ pub struct NextReport {
     pub words: String,
     /// Samples to cut.
     pub samples: Vec<SampleReport>,
-    /// Chance that at least one of `samples`, or of the pending samples, is on target; 0 with `learning`, where it is
-    /// not computed.
-    pub one_on_target: f64,
+    /// Chance that at least one of `samples`, or of the pending samples, is on target; null with `learning` and where
+    /// nothing is demanded.
+    pub one_on_target: Option<f64>,
     /// Specimen on which the samples are sectors; absent where one disc was not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub one_disc: Option<OneDiscReport>,
@@ -197,7 +197,14 @@ impl NextReport {
 
     /// Reasons to doubt the samples, one sentence each; the text marks them with `!`.
     pub fn doubts(&self) -> Vec<String> {
-        self.material_doubts().chain(self.laser_doubts()).collect()
+        self.violated_limits().chain(self.material_doubts()).chain(self.laser_doubts()).collect()
+    }
+
+    fn violated_limits(&self) -> impl Iterator<Item = String> {
+        let of = |(name, sample): (String, &SampleReport)| {
+            sample.violations.iter().map(move |limit| format!("{name}: {limit}")).collect::<Vec<_>>()
+        };
+        self.rows().into_iter().flat_map(of)
     }
 
     fn material_doubts(&self) -> impl Iterator<Item = String> {
@@ -213,7 +220,8 @@ impl NextReport {
         let mut text = wrapped(&format!("{}: {}", self.name, self.words), SCREEN_WIDTH, "  ", 3);
         let (trials, designs) = (counted(self.trials, "trial"), counted(self.compared, "design"));
         text += &format!("\n  {trials} measured, {} pending; {designs} compared\n", self.pending);
-        self.material_doubts().for_each(|doubt| text += &doubt_in_brief(&doubt));
+        let doubts = self.violated_limits().chain(self.material_doubts());
+        doubts.for_each(|doubt| text += &doubt_in_brief(&doubt));
         if let Some(learning) = &self.learning {
             return text + &learning.text() + &self.ending();
         }
@@ -221,8 +229,8 @@ impl NextReport {
             let chance = percent(own.chance.unwrap_or(0.0));
             text += &format!("yours, {} um, is likelier: {chance}\n", own.design.lengths_in_words());
         }
-        if self.samples.len() > 1 || self.pending > 0 {
-            text += &format!("{} chance that one of those cut is on target\n", percent(self.one_on_target));
+        if let Some(chance) = self.one_on_target.filter(|_| self.samples.len() > 1 || self.pending > 0) {
+            text += &format!("{} chance that one of those cut is on target\n", percent(chance));
         }
         text += &samples_table(self.rows().into_iter()).to_string();
         text += "learns: how much a measured sample would teach of how the model's error depends on the texture\n";

@@ -126,6 +126,9 @@ fn choose(
             None => search.models.own.nothing_computed(&search.task.space),
         });
     };
+    if division.is_some() && best.texture.excess > 0.0 {
+        return Err(DesignError::Failed(unkept(search.violated_by(best).iter().map(ToString::to_string))));
+    }
     if division.is_some() && found.solved.len() < options.count {
         let reason =
             format!("{} designs that fit on a sector were found: expected as many as sectors", found.solved.len());
@@ -161,7 +164,7 @@ fn choose(
         advice: advice.name().to_owned(),
         words: advice.words(best.chance(), asked.has_demands(), found.is_within_reach),
         samples: chosen.iter().map(|of| of.full_report(search)).collect(),
-        one_on_target: tidy(together),
+        one_on_target: asked.has_demands().then(|| tidy(together)),
         others: listed.iter().filter(is_chosen).map(|of| of.report(search).beside(&first)).collect(),
         own: own.iter().map(|of| of.report(search)).collect(),
         ..new_report(search, options)
@@ -259,6 +262,13 @@ pub fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a 
         warnings.into_iter().map(move |warning| format!("sample {}: {warning}", number + 1))
     };
     patterns.enumerate().flat_map(of).collect()
+}
+
+/// Message that every design on a sector violates limits; the best one violates `limits`.
+pub fn unkept(limits: impl Iterator<Item = String>) -> String {
+    let limits: Vec<String> = limits.collect();
+    let of_best = if limits.is_empty() { String::new() } else { format!(" (the best one: {})", limits.join(", ")) };
+    format!("no design found that fits on a sector keeps all limits{of_best}: expected other limits or wider bounds")
 }
 
 /// Message that no design fits on a sector of `division`.

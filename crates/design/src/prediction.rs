@@ -231,6 +231,7 @@ impl Prediction {
             limited_by: Vec::new(),
             information_bits: tidy(self.information_bits()),
             laser_s: search.task.laser_time_s(&self.texture.pattern).map(tidy),
+            violations: search.violated_by(self).iter().map(ToString::to_string).collect(),
             is_as_cut: self.texture.known == Known::AsCut,
         }
     }
@@ -260,6 +261,8 @@ pub struct SampleReport {
     pub information_bits: f64,
     /// Laser time of the sample, in seconds; null where the laser's speed is not given.
     pub laser_s: Option<f64>,
+    /// Limits that the sample violates, in words.
+    pub violations: Vec<String>,
     /// True if the effects of the specimen's ends, pressure tilt and, in the plane, time were computed for this
     /// texture, false if they were interpolated between textures.
     pub is_as_cut: bool,

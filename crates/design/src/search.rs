@@ -13,6 +13,7 @@ use std::sync::Arc;
 use crate::optimize::{ConstraintQuantity, Limit, ModelFailure, Violation};
 use rayon::prelude::*;
 use slipgrid_base::monitor::{Monitor, Part as Share, cached};
+use slipgrid_base::units::PRESSURE_MPA;
 use slipgrid_infer::discrepancy::{Features, Predictor};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, TILT_RELATIVE_ERROR};
@@ -153,6 +154,21 @@ impl Search<'_> {
         // The laser can cut the pattern only if some cavities fit the specimen, and not far too many do.
         self.task.specimen.check(*pattern).map_err(|error| ModelFailure::Trial(error.to_string()))?;
         Ok(self.task.constraints.violations(pattern, &self.task.limited(pattern, answer)?))
+    }
+
+    /// Limits that `of` violates. The outer lands of a specimen that was run may carry a higher pressure than its cell.
+    pub fn violated_by(&self, of: &Prediction) -> Vec<Violation> {
+        if of.texture.excess == 0.0 {
+            return Vec::new();
+        }
+        let pattern = &of.texture.pattern;
+        let of_run = of.texture.run.as_ref().map_or(0.0, |run| PRESSURE_MPA.from_si(run.peak_pressure_pa()));
+        let answer = self
+            .models
+            .own
+            .steady(pattern)
+            .map(|cell| Answer { peak_pressure_mpa: cell.peak_pressure_mpa.max(of_run), ..cell });
+        answer.and_then(|answer| self.violations(pattern, &answer)).unwrap_or_default()
     }
 
     /// Interpolates `pattern` in the table; `None` next to a node that the model cannot compute, if cavities close

@@ -137,6 +137,7 @@ export async function show(root, signal) {
   if (!state.design) return;
   await watchResult("out/next", (record) => {
     proposed.replaceChildren(decision(record), textures("Samples to cut", record.samples),
-      h("p", {}, `Chance that one of these, or of the pending ones, is on target: ${percent(record.one_on_target)}`));
+      record.one_on_target === null ? ""
+        : h("p", {}, `Chance that one of these, or of the pending ones, is on target: ${percent(record.one_on_target)}`));
   }, signal);
 }

@@ -25,7 +25,7 @@ const ALLOWED: [&str; 10] =
     ["new", "calibrate", "traces", "trials", "next", "optimize", "export", "surface", "simulate", "synthesize"];
 /// Maximum number of words of a command.
 const MAX_WORDS: usize = 60;
-/// Maximum number of jobs that are remembered.
+/// Maximum number of jobs that are remembered, and that wait.
 const MAX_JOBS: usize = 100;
 /// Shortest time between two messages about the progress of a job, in milliseconds.
 const PROGRESS_INTERVAL_MS: u64 = 80;
@@ -127,6 +127,10 @@ impl Jobs {
             && let Some(oldest) = all.iter().position(|job| locked(&job.progress).exit_code.is_some())
         {
             all.remove(oldest);
+        }
+        if all.len() >= MAX_JOBS {
+            let reason = format!("{MAX_JOBS} jobs wait already: cancel some of them first");
+            return Err(Refused(StatusCode::TOO_MANY_REQUESTS, reason));
         }
         all.push(Arc::clone(&job));
         let ended = || Refused(StatusCode::SERVICE_UNAVAILABLE, "no jobs are run any more".to_owned());
@@ -307,17 +311,18 @@ pub async fn start(State(shared): State<Arc<Shared>>, Json(asked): Json<Asked>) 
     Ok(Json(json!({ "id": shared.jobs.add(asked.command)?.id })))
 }
 
-/// Adds a job that computes predictions for the design at `path`, cancels earlier jobs of this kind, and answers with
-/// the id.
+/// Adds a job that computes predictions for the design at `path`, cancels earlier ones for this design, and answers
+/// with the id.
 pub fn start_exploring(shared: &Shared, path: &str) -> Result<Json<Value>, Refused> {
     inside(path)?;
-    // Earlier computations of predictions are out of date.
+    let words = vec![EXPLORE.to_owned(), path.to_owned()];
+    // Earlier computations of the same predictions are out of date.
     for job in locked(&shared.jobs.all).iter() {
-        if job.words[0] == EXPLORE && locked(&job.progress).exit_code.is_none() {
+        if job.words == words && locked(&job.progress).exit_code.is_none() {
             cancel_job(job);
         }
     }
-    Ok(Json(json!({ "id": shared.jobs.add(vec![EXPLORE.to_owned(), path.to_owned()])?.id })))
+    Ok(Json(json!({ "id": shared.jobs.add(words)?.id })))
 }
 
 /// Lists jobs, newest first.
@@ -379,6 +384,8 @@ mod tests {
         let last = add();
         let ids: Vec<u64> = locked(&jobs.all).iter().map(|job| job.id).collect();
         assert_eq!((ids.len(), ids[0], ids[1], ids[MAX_JOBS - 1]), (MAX_JOBS, queued.id, 3, last.id));
+        let wait = (0..).find_map(|_| jobs.add(vec!["traces".to_owned()]).err()).map(|refused| refused.0);
+        assert_eq!((wait, locked(&jobs.all).len()), (Some(StatusCode::TOO_MANY_REQUESTS), MAX_JOBS));
     }
 
     #[test]

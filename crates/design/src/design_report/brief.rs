@@ -58,7 +58,7 @@ mod tests {
     #[test]
     fn the_gravest_doubt_comes_first() {
         let mut report = DesignReport {
-            violations: vec!["a land is too small".into()],
+            sample: SampleReport { violations: vec!["a land is too small".into()], ..SampleReport::default() },
             laser_warnings: vec!["bursts are coarse".into()],
             material: Provenance { warnings: vec!["the map is spiky".into()], ..Provenance::default() },
             confirmed: vec![LoadReport {

@@ -193,7 +193,10 @@ impl DesignReport {
         // Cavities that the laser makes differently from the design, by passes over lines or by bursts on spots.
         let of_laser = self.removal.iter().flat_map(|removal| &removal.warnings).chain(&self.laser_warnings);
         let laser = of_laser.map(|warning| format!("laser: {warning}"));
-        [self.violations.iter().cloned().chain(loads).collect(), self.unresolved().into_iter().chain(laser).collect()]
+        [
+            self.sample.violations.iter().cloned().chain(loads).collect(),
+            self.unresolved().into_iter().chain(laser).collect(),
+        ]
     }
 
     /// Whether a target pressure lies farther from the measured range than [`FAR_BEYOND`].
@@ -280,11 +283,7 @@ impl SampleReport {
 
     /// Row of [`samples_table`], labelled `name`; `has_times` adds the laser time.
     fn row(&self, name: String, has_times: bool) -> Vec<String> {
-        let at = |of: Option<&Expected>| {
-            of.map_or_else(String::new, |at| {
-                format!("{:.3} ({})", at.median, believed_interval([at.low_95, at.high_95]))
-            })
-        };
+        let at = |at: &Expected| format!("{:.3} ({})", at.median, believed_interval([at.low_95, at.high_95]));
         let mut row = vec![
             name,
             self.design.lengths_in_words().replace(' ', ""),
@@ -292,25 +291,28 @@ impl SampleReport {
             self.learns().to_owned(),
         ];
         row.extend(has_times.then(|| self.laser_s.map_or_else(|| "-".to_owned(), duration_in_words)));
-        row.extend([at(self.expected.first()), at(self.expected.last())]);
+        row.extend(first_and_last(&self.expected).map(at));
         row
     }
+}
+
+/// First and last of `all`, once if there is only one.
+fn first_and_last(all: &[Expected]) -> impl Iterator<Item = &Expected> {
+    all.first().into_iter().chain(all[1.min(all.len())..].last())
 }
 
 /// Table of named samples: texture, chance, information gained by a measurement, laser time if known, and expected
 /// values at the first and the last load.
 pub fn samples_table<'a>(samples: impl Iterator<Item = (String, &'a SampleReport)>) -> Table {
     let samples: Vec<_> = samples.collect();
-    let at = |of: fn(&[Expected]) -> Option<&Expected>| {
-        let load = samples.first().and_then(|(_, sample)| of(&sample.expected));
-        load.map_or_else(String::new, |load| format!("at {} MPa", load.pressure_mpa))
-    };
-    let [first, last] = [at(|all| all.first()), at(|all| all.last())];
-    let first = format!("{first} (95 %)");
+    let loads = samples.first().map_or(&[][..], |(_, sample)| &sample.expected);
+    let at = |load: &Expected| format!("at {} MPa", load.pressure_mpa);
+    let headings = first_and_last(loads).map(at).enumerate();
+    let headings: Vec<String> = headings.map(|(place, at)| if place == 0 { at + " (95 %)" } else { at }).collect();
     let has_times = samples.iter().any(|(_, sample)| sample.laser_s.is_some());
     let mut columns = vec!["", "width/spacing/depth um", "chance", "learns"];
     columns.extend(has_times.then_some("laser"));
-    columns.extend([first.as_str(), &last]);
+    columns.extend(headings.iter().map(String::as_str));
     let mut table = Table::new(columns);
     samples.into_iter().for_each(|(name, sample)| table.row(sample.row(name, has_times)));
     table

@@ -76,7 +76,8 @@ pub fn material_doubts(material: &Provenance) -> impl Iterator<Item = String> {
 
 /// Formats the range of pressures at which friction was measured.
 pub fn measured_range([low_mpa, high_mpa]: [f64; 2]) -> String {
-    format!("friction was measured from {low_mpa} to {high_mpa} MPa")
+    let range = if low_mpa == high_mpa { "at".to_owned() } else { format!("from {low_mpa} to") };
+    format!("friction was measured {range} {high_mpa} MPa")
 }
 
 /// Results at one pressure.

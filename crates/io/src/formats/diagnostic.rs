@@ -125,10 +125,12 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     candidates
         .into_iter()
         .map(|candidate| {
-            // A key that differs only in its unit, or lacks it, is the most probable.
+            // A key that differs only in its unit, or lacks it, is the most probable; then one that lacks more words.
             let same_quantity =
                 stem(candidate).is_some_and(|quantity| quantity == name || stem(name) == Some(quantity));
-            (if same_quantity { 0 } else { levenshtein(name, candidate) }, candidate)
+            let is_begun = || candidate.strip_prefix(name).is_some_and(|rest| rest.starts_with('_'));
+            let distance = if same_quantity { 0 } else { levenshtein(name, candidate) };
+            (if is_begun() { distance.min(1) } else { distance }, candidate)
         })
         .filter(|&(distance, _)| distance <= most)
         .min_by_key(|&(distance, _)| distance)

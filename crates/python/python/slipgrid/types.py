@@ -646,6 +646,7 @@ class Sample(Record):
     limited_by: list[LimitedBy]
     information_bits: float
     laser_s: Optional[float]
+    violations: list[str]
     is_as_cut: bool
 
 
@@ -838,6 +839,7 @@ class DesignRecord(Record):
     limited_by: list[LimitedBy]
     information_bits: float
     laser_s: Optional[float]
+    violations: list[str]
     is_as_cut: bool
     goal: Optional[Goal]
     others: list[Sample]
@@ -859,7 +861,6 @@ class DesignRecord(Record):
     extent: str
     target: Target
     confirmed: list[LoadResult]
-    violations: list[str]
     cut_short: list[str]
     model: list[str]
     method: list[str]
@@ -1019,7 +1020,7 @@ class NextRecord(Record):
     advice: str
     words: str
     samples: list[Sample]
-    one_on_target: float
+    one_on_target: Optional[float]
     one_disc: Optional[OneDisc]
     learning: Optional[Learning]
     others: list[Sample]

@@ -6,12 +6,12 @@
   const all = name => [...root.querySelectorAll(`[data-${name}]`)];
 
   // Response surfaces: tensor products of cubic B-splines in the logarithms of width, spacing and depth.
-  const unpack = ({ outputs }) => {
+  const unpack = outputs => {
     let found = null;
-    outputs.forEach(({ from, to, codes }, place) => {
-      const bytes = Uint8Array.from(atob(codes), letter => letter.charCodeAt(0)), view = new DataView(bytes.buffer), length = bytes.length / 2;
+    outputs.forEach((text, place) => {
+      const bytes = Uint8Array.from(atob(text), letter => letter.charCodeAt(0)), view = new DataView(bytes.buffer), length = bytes.length / 4;
       found = found || new Float64Array(length * outputs.length);
-      for (let k = 0; k < length; k++) found[k * outputs.length + place] = from + (to - from) * view.getUint16(2 * k, true) / 65535;
+      for (let k = 0; k < length; k++) found[k * outputs.length + place] = view.getFloat32(4 * k, true);
     });
     return found;
   };
@@ -23,7 +23,7 @@
     return [first, [s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6, (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6, t * t * t / 6]];
   };
   const surface = (packed, axes) => {
-    const coefficients = unpack(packed), outputs = packed.outputs.length;
+    const coefficients = unpack(packed), outputs = packed.length;
     const rows = count(axes[1].nodes), columns = count(axes[2].nodes);
     const at = lengths => {
       const [[a, u], [b, v], [c, w]] = axes.map((axis, k) => weights(axis, lengths[k]));
@@ -57,10 +57,10 @@
   };
   const axes = data.axes, loads = data.pressure_mpa.length;
   // Medians at every load of every condition; the ends of 95 % of samples at the loads of the first; ln(p / (1 - p)) of the chance p; ln of the
-  // largest pressure, least height of a ceiling, share of the face, seconds under the laser, and least local over nominal pressure.
+  // largest pressure, least height of a ceiling, share of the face, ln of the seconds under the laser, and least local over nominal pressure.
   const medians = surface(data.medians, axes), lower = surface(data.lower, axes), upper = surface(data.upper, axes);
   const logOdds = surface(data.log_odds, axes), beside = surface(data.beside, axes);
-  const all_loads = data.medians.outputs.length, BESIDE = data.beside.outputs.length;
+  const all_loads = data.medians.length, BESIDE = data.beside.length;
   // Nodes without an answer are corners of cells without one; lengths of nodes are rounded.
   const holes = new Uint8Array(axes.reduce((product, axis) => product * axis.nodes, 1));
   for (const place of data.holes) holes[place] = 1;
@@ -82,9 +82,9 @@
   const round = (value, step) => Math.round(value / step) * step;
   const bursts = depth => data.burst_um ? Math.max(1, Math.round(depth / data.burst_um)) : null;
   const describe = at => {
-    const [logPeak, height, face, seconds, least] = beside.at(at), values = medians.at(at);
+    const [logPeak, height, face, logSeconds, least] = beside.at(at), values = medians.at(at);
     return {
-      at, values, height, face, seconds, least, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), height), peak: Math.exp(logPeak), chance: chanceOf(logOdds.at(at)[0]),
+      at, values, height, face, seconds: Math.exp(logSeconds), least, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), height), peak: Math.exp(logPeak), chance: chanceOf(logOdds.at(at)[0]),
       lower: lower.at(at), upper: upper.at(at), isOn: values.every(isWithin), bursts: bursts(at[2]),
     };
   };
@@ -251,7 +251,8 @@
       for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column++) {
         const cell = row * COLUMNS + column, from = BESIDE * cell;
         [at[h], at[v]] = [hs[column], vs[row]];
-        [side.peak, side.height, side.face, side.seconds, side.least] = [Math.exp(sides[from]), ...sides.slice(from + 1, from + BESIDE)];
+        const [logPeak, height, face, logSeconds, least] = sides.slice(from, from + BESIDE);
+        Object.assign(side, { peak: Math.exp(logPeak), height, face, seconds: Math.exp(logSeconds), least });
         let isOn = hasTarget;
         for (let load = 0; isOn && load < all_loads; load++) isOn = isWithin(values[cell * all_loads + load], load);
         const tones = colours[isOn ? "on" : "off"][Math.round(LEVELS * (rank[cell] - least) / Math.max(most - least, 1e-9))];

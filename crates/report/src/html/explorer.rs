@@ -20,8 +20,6 @@ use crate::Outputs;
 const SCRIPT: &str = include_str!("explorer.js");
 /// Number of outputs of [`Explorer::beside`], the quantities in addition to the expected values and the chance.
 const BESIDE: usize = 5;
-/// Index of the laser time in seconds in the outputs of [`Explorer::beside`].
-const SECONDS: usize = 3;
 
 /// Limit that the script of the page checks.
 #[derive(Serialize)]
@@ -50,7 +48,7 @@ struct Data {
     /// Logit ln(p / (1 - p)) of the chance p that a sample is on target.
     log_odds: Packed,
     /// Outputs in this order: ln of the maximum local pressure in MPa, minimum height of a cavity's ceiling under load
-    /// in um, areal density, laser time in seconds, and minimum of local over nominal pressure.
+    /// in um, areal density, logarithm of the laser time in seconds, and minimum of local over nominal pressure.
     beside: Packed,
     /// Indices of the nodes of the surfaces at which the model gives no result.
     holes: Vec<usize>,
@@ -151,7 +149,7 @@ impl Subject<'_> {
             limits: self.limits(),
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
             has_passes: task.laser.bursts_per_pass().is_some(),
-            has_laser_time: explorer.beside.at(&design).get(SECONDS).is_some_and(|seconds| *seconds > 0.0),
+            has_laser_time: task.laser_time_s(self.pattern).is_some(),
             design,
             points: self.points(),
             toml: self.toml.clone(),

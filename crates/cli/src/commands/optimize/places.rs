@@ -43,7 +43,8 @@ pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice:
         Advice::TrialMeetsIt(_) => {
             text + "next    make the trial's texture; to come closer, cut the one above as another trial\n"
         }
-        Advice::CannotBeMet { .. } => {
+        Advice::CannotBeMet { keeps_limits: false } => text + "next    accept another limit, or widen a bound\n",
+        Advice::CannotBeMet { keeps_limits: true } => {
             text + "next    accept more, widen a bound or a limit, or cut the texture above as a trial\n"
         }
         Advice::Series | Advice::DoNotTexture => text,

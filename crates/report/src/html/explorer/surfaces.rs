@@ -5,41 +5,21 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 use slipgrid_base::statistics::ResponseSurface;
 
-use crate::charts::extremes;
-
 /// Names of the axes of the surfaces, in order.
 pub const LENGTHS: [&str; 3] = ["width", "spacing", "depth"];
-/// Maximum 16-bit code of a coefficient.
-const FULL_SCALE: f64 = 65_535.0;
 
-/// Coefficients of outputs of a response surface. The coefficients of each output are encoded as 16-bit codes, little
-/// endian, in base64; code 0 is the smallest coefficient of the output, and 65535 the largest.
+/// Coefficients of outputs of a response surface, one entry per output: single precision, little endian, in base64.
 #[derive(Serialize)]
-pub struct Packed {
-    /// One entry per output, in order.
-    outputs: Vec<Output>,
-}
-
-#[derive(Serialize)]
-struct Output {
-    from: f64,
-    to: f64,
-    codes: String,
-}
+pub struct Packed(Vec<String>);
 
 impl Packed {
     /// Encodes the outputs of `surface` with the indices `places`.
     pub fn new(surface: &ResponseSurface, places: impl IntoIterator<Item = usize>) -> Self {
         let output = |place: usize| {
-            let all = || surface.coefficients().iter().skip(place).step_by(surface.outputs()).copied();
-            let [from, to] = extremes(all());
-            let span = if to > from { to - from } else { 1.0 };
-            // The value lies between 0 and the full scale, so that the cast is exact.
-            let code = |value: f64| (((value - from) / span * FULL_SCALE).round() as u16).to_le_bytes();
-            let codes: Vec<u8> = all().flat_map(code).collect();
-            Output { from, to: from + span, codes: STANDARD.encode(codes) }
+            let all = surface.coefficients().iter().skip(place).step_by(surface.outputs());
+            STANDARD.encode(all.flat_map(|value| (*value as f32).to_le_bytes()).collect::<Vec<u8>>())
         };
-        Self { outputs: places.into_iter().map(output).collect() }
+        Self(places.into_iter().map(output).collect())
     }
 }
 

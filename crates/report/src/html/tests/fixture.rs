@@ -138,6 +138,7 @@ fn sample(design: &PatternReport) -> SampleReport {
         ],
         information_bits: 1.25,
         laser_s: Some(13.0),
+        violations: Vec::new(),
         is_as_cut: true,
     }
 }
