@@ -1,6 +1,7 @@
 //! Requirements of a task on a cut sample: one [`Band`] per load.
 
 use crate::optimize::{Goal, Quantity};
+use slipgrid_infer::calibrate::uncertainty::Covariance;
 use slipgrid_infer::discrepancy::{Discrepancy, Load, Prediction as Distribution, Trial, Wanted};
 use slipgrid_model::material::END_MARGIN;
 
@@ -46,6 +47,11 @@ pub struct Asked {
     pub count: usize,
     /// Discrepancy as learned from the trials of the material.
     pub learned: Discrepancy,
+    /// Shares of the trials' flat sample errors in flat friction at each load; empty if ratios are asked for.
+    pub flat_shares: Vec<Vec<f64>>,
+    /// Covariance of the rest of the errors of flat friction at the loads of one sliding direction; `None` if trials
+    /// share none of them.
+    pub flat_rest: Option<Covariance>,
 }
 
 impl Asked {
@@ -81,13 +87,20 @@ impl Asked {
                 });
             }
         }
-        let loads = bands.iter().map(|band| band.load).collect();
+        let loads: Vec<Load> = bands.iter().map(|band| band.load).collect();
         let count = prepared.loads().len();
         let end = |side: usize, open: f64| {
             bands.iter().map(|band| band.accepted[side].map_or(open, |end| end / band.flat)).collect()
         };
         let wanted = Wanted { lower: end(0, 0.0), upper: end(1, f64::INFINITY) };
-        Ok(Self { loads, wanted, goal: task.target.goal(), count, learned, bands })
+        let of_one = settings.len() / (1 + task.directions.different_deg.len());
+        let conditions: Vec<_> = settings[..of_one].iter().map(|setting| setting.condition).collect();
+        let is_friction = task.target.quantity() == Quantity::DynamicFriction;
+        let shared = is_friction.then(|| uncertainty.flat_shares(&learned, &pressures_pa, &conditions)).flatten();
+        let (shares, flat_rest) = shared.unzip();
+        // All sliding directions have the friction of the same flat surface.
+        let flat_shares = shares.map_or_else(Vec::new, |own| own.iter().cycle().take(loads.len()).cloned().collect());
+        Ok(Self { loads, wanted, goal: task.target.goal(), count, learned, bands, flat_shares, flat_rest })
     }
 
     /// Whether some load has a demand.

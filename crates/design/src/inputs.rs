@@ -70,6 +70,8 @@ struct Input<'a> {
     /// Covariance of the input: of flat friction between the loads of one sliding direction, whose inputs all directions
     /// share; of other inputs the variance alone.
     covariance: Covariance,
+    /// The part of `covariance` that the errors of trials do not share.
+    rest: Covariance,
     above: SteadyModel<'a>,
     below: SteadyModel<'a>,
 }
@@ -81,11 +83,16 @@ fn std_at(covariance: &Covariance, load: usize) -> f64 {
 }
 
 impl<'a> Inputs<'a> {
-    /// Collects the inputs of `prepared` for `model` at every condition.
+    /// Collects the inputs of `prepared` for `model` at every condition. `flat_rest` is the part of the covariance of flat
+    /// friction that the errors of trials do not share; `None` if they share nothing.
     ///
     /// # Errors
     /// [`DesignError`] if the stated errors of the material or the tolerances are invalid.
-    pub fn new(prepared: &PreparedTask, model: &SteadyModel<'a>) -> Result<Self, DesignError> {
+    pub fn new(
+        prepared: &PreparedTask,
+        model: &SteadyModel<'a>,
+        flat_rest: Option<&Covariance>,
+    ) -> Result<Self, DesignError> {
         let PreparedTask { task, uncertainty: material, settings, .. } = prepared;
         let values = model.asked().loads.len();
         // All directions share the material, so the loads of the first direction stand for the others.
@@ -136,7 +143,8 @@ impl<'a> Inputs<'a> {
                 model.beside(|scene: &Scene| moved(scene, &by, scale, law)).map_err(of_material)
             };
             let (above, below) = (own(1.0)?, own(-1.0)?);
-            Ok::<_, DesignError>(Input { source, known_to, covariance, above, below })
+            let rest = flat_rest.filter(|_| source == Source::FlatFriction).unwrap_or(&covariance).clone();
+            Ok::<_, DesignError>(Input { source, known_to, covariance, rest, above, below })
         };
         Ok(Self {
             is_ratio: task.target.quantity() == Quantity::Ratio,
@@ -184,7 +192,7 @@ impl<'a> Inputs<'a> {
                     (above - below) / (2.0 * std_at(&input.covariance, load)) + of_friction;
                 bend[load] = 0.5 * (above - 2.0 * own + below);
             }
-            let first_order = propagated(&input.covariance, &slopes);
+            let first_order = propagated(&input.rest, &slopes);
             let covariance = log(&|l, m| {
                 // The discrepancy includes the first order of the modulus, because trials inform about it.
                 let first = if input.source == Source::Modulus { 0.0 } else { first_order[l][m] };

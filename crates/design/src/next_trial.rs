@@ -147,7 +147,7 @@ fn choose(
     let (chosen, together) = if options.count <= 1 && pending.is_empty() {
         (vec![best.clone()], best.chance())
     } else {
-        let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1);
+        let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1).of_friction(&asked.flat_shares);
         // Samples on one disc share what differs from disc to disc.
         let on_disc = options.one_disc.then(|| scenarios.clone().on_one_disc(DISC_SEED));
         let draws = Draws { asked, scenarios: &scenarios, disc: on_disc.as_ref().unwrap_or(&scenarios) };

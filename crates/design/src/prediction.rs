@@ -211,7 +211,11 @@ impl Prediction {
         for (place, part) in self.texture.parts.iter().enumerate().filter(|(_, part)| part.name != MODULUS) {
             let (covariance, dimension_shifts) = sums(&self.texture.parts, Some(place));
             let still = CutTexture { covariance, dimension_shifts, ..self.texture.clone() };
-            let without = predictor.of(&still.candidate());
+            let without = if part.name == FLAT_FRICTION {
+                predictor.of_known_flat(&still.candidate())
+            } else {
+                predictor.of(&still.candidate())
+            };
             add(part.name, part.known_to.clone(), ratio_std(&|load| added(&without, load)), (&without, own_ratio));
         }
         // Equal inputs are sorted by the scatter of the ratio.
@@ -330,7 +334,7 @@ pub struct LimitedBy {
     /// Standard deviation of the ratio due to this input alone, one per load; for the model error and the scatter
     /// between samples, computed from the widths of the 95 % interval with and without this input.
     pub std: Vec<f64>,
-    /// Chance without the error of this input.
+    /// Chance without the error of this input; not below the present chance.
     pub chance_if_known: f64,
 }
 

@@ -175,18 +175,30 @@ pub fn of_scene(
     let by_law = law.map_or_else(|| vec![0.0; ratios.len()], |law| local_law_changes(scene, pattern, &law));
     let sensitivity = of_modulus.into_iter().zip(by_law).map(|(modulus, local_law)| Sensitivity { modulus, local_law });
     let sensitivity: Vec<Sensitivity> = sensitivity.collect();
-    let factors = DiscrepancyAt::each(&learned.at(&places).predict(&Features::from(pattern), &sensitivity));
-    let aimed = InputUncertainty { discrepancy: Some(factors.clone()), ..knowledge.clone() };
-    let corrected = Solved { knowledge: &aimed, ..solved }.errors();
-    let by_pressure = corrected
+    let corrected = |shares: &[Vec<f64>], flat_friction: Option<Vec<f64>>| {
+        let predictor = learned.of_friction_at(&places, shares);
+        let factors = DiscrepancyAt::each(&predictor.predict(&Features::from(pattern), &sensitivity));
+        let aimed = InputUncertainty { discrepancy: Some(factors.clone()), flat_friction, ..knowledge.clone() };
+        (Solved { knowledge: &aimed, ..solved }.errors(), factors)
+    };
+    let (of_ratio, factors) = corrected(&[], knowledge.flat_friction.clone());
+    // Trials inform about flat friction, too: the errors that friction shares with them count with the factor.
+    let pressures_pa: Vec<f64> = scene.loads.iter().map(|load| load.pressure_pa).collect();
+    let of_friction = uncertainty.flat_shares(learned, &pressures_pa, &[condition.copied()]).map(|(shares, rest)| {
+        let variances = rest.iter().enumerate().map(|(load, row)| row[load].max(0.0)).collect();
+        corrected(&shares, Some(variances)).0
+    });
+    let of_friction = of_friction.unwrap_or_else(|| of_ratio.clone());
+    let by_pressure = of_ratio
         .into_iter()
+        .zip(of_friction)
         .zip(&factors)
-        .map(|(row, factor)| CorrectedAt {
+        .map(|((row, friction), factor)| CorrectedAt {
             pressure_mpa: row.pressure_mpa,
             factor: tidy(factor.factor),
             factor_relative_std: tidy(factor.log_std),
             ratio: row.ratio,
-            mu: row.mu,
+            mu: friction.mu,
         })
         .collect();
     Ok((errors, Some(CorrectedReport { trials: learned.trials().len(), by_pressure })))

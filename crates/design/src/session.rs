@@ -56,7 +56,7 @@ pub fn with_table<T>(
     }
     let asked = Asked::new(prepared)?;
     let models = Models::new(&model, prepared)?;
-    let inputs = Inputs::new(prepared, &model)?;
+    let inputs = Inputs::new(prepared, &model, asked.flat_rest.as_ref())?;
     let face = Some(task.specimen).filter(|_| division.is_none());
     let beyond = BeyondCells { model: &model, face, count: asked.count, seed: task.search.seed };
 
@@ -73,7 +73,7 @@ pub fn with_table<T>(
     };
     let searching_s = monitor.seconds();
     let stage = budget.stage_of_share("search", SEARCH_SHARE);
-    let predictor = asked.learned.at(&asked.loads);
+    let predictor = asked.learned.of_friction_at(&asked.loads, &asked.flat_shares);
     let search = Search {
         prepared,
         task,

@@ -49,8 +49,8 @@ pub(crate) struct Member {
     pub mean: Vec<f64>,
     /// L^-1, with the posterior precision L L^T of the coefficients: a lower triangle, row by row.
     pub inverse: Vec<f64>,
-    /// Posterior mean of the discrepancy at each measurement, without the terms of Young's modulus and of the local
-    /// law; needed for errors of a trial's dimensions.
+    /// Posterior mean of the discrepancy at each measurement, without the terms of the flat sample, of Young's modulus
+    /// and of the local law; needed for errors of a trial's dimensions.
     pub at_trials: Vec<f64>,
 }
 
@@ -162,9 +162,53 @@ impl Discrepancy {
         self.hyperparameters().forms.iter().map(|(form, _)| own(*form)).collect()
     }
 
-    /// Prepares predictions at `loads`.
+    /// Prepares predictions of ratios at `loads`.
     pub fn at(&self, loads: &[Load]) -> Predictor {
-        Predictor::new(&self.basis, &self.members, loads)
+        self.of_friction_at(loads, &[])
+    }
+
+    /// Prepares predictions at `loads` of friction, relative to the modelled ratio times the flat friction as known:
+    /// the trials that informed about the flat sample's errors share these with the prediction. `shares` are those of
+    /// [`Self::flat_shares`]; without shares ratios are predicted.
+    pub fn of_friction_at(&self, loads: &[Load], shares: &[Vec<f64>]) -> Predictor {
+        Predictor::new(&self.basis, &self.members, loads, shares)
+    }
+
+    /// Loads at which the trials share an error of the flat sample.
+    pub fn flat_loads(&self) -> &[Load] {
+        &self.basis.flat
+    }
+
+    /// Relative standard error of the flat sample at each of [`Self::flat_loads`], as the first trial states it.
+    fn flat_stds(&self) -> Vec<f64> {
+        let of = |load: &Load| self.rows().find(|(_, at)| is_same(&at.load, load) && at.flat_std > 0.0);
+        self.basis.flat.iter().map(|load| of(load).map_or(1.0, |(_, at)| at.flat_std)).collect()
+    }
+
+    /// Shares of the flat sample's errors at the loads of trials in the errors of flat friction at other loads, and the
+    /// covariance of the rest of these. `covariance` is that of the relative errors of flat friction x, first at the
+    /// other loads, `count` in number, and then at [`Self::flat_loads`].
+    ///
+    /// ```text
+    /// x_l = sum_k w_lk s_k + rest_l,     w_lk = cov(x_l, x_k) / var(s_k)
+    /// ```
+    ///
+    /// with the independent errors `s_k` of the flat sample's friction at the loads of trials, from which flat friction
+    /// was fitted. Shares that would exceed the variance of `x_l` are scaled down to it.
+    pub fn flat_shares(&self, covariance: &[Vec<f64>], count: usize) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+        let stds = self.flat_stds();
+        let share = |own: &Vec<f64>, variance: f64| {
+            // In units of one standard deviation of each error.
+            let all: Vec<f64> = own[count..].iter().zip(&stds).map(|(own, std)| own / std).collect();
+            let square = dot(&all, &all);
+            let most = if square > variance { (variance / square).sqrt() } else { 1.0 };
+            all.into_iter().map(|own| most * own).collect::<Vec<f64>>()
+        };
+        let shares: Vec<Vec<f64>> =
+            covariance[..count].iter().enumerate().map(|(load, own)| share(own, own[load])).collect();
+        let rest = |l: usize| (0..count).map(|m| covariance[l][m] - dot(&shares[l], &shares[m])).collect();
+        let rest = (0..count).map(rest).collect();
+        (shares, rest)
     }
 
     /// Learns from other trials with an unchanged prior.
@@ -192,7 +236,8 @@ impl Discrepancy {
     pub(crate) fn basis_rows(&self, member: &Member) -> Vec<Vec<f64>> {
         let row = |(trial, at): (usize, &Measured)| {
             let features = &self.trials[trial].features;
-            self.basis.row(member.value(features), member.residual, features, &at.load, at.sensitivity)
+            let flat = self.basis.flat_row(&at.load, at.flat_std);
+            self.basis.row(flat, [member.value(features), member.residual], features, &at.load, at.sensitivity)
         };
         self.rows().map(row).collect()
     }
@@ -209,8 +254,7 @@ impl Discrepancy {
     }
 
     /// Covariance of all measurements for known coefficients: scatter between discs, shared by trials of one disc; errors
-    /// of a sample's dimensions; errors of the flat sample, shared within a condition; and measurement errors. Samples
-    /// without a stated scatter have `scatter`. `discrepancy_by` is the change of the discrepancy at a row by a shift of
+    /// of a sample's dimensions; and measurement errors. Samples without a stated scatter have `scatter`. `discrepancy_by` is the change of the discrepancy at a row by a shift of
     /// its trial's dimensions.
     pub(crate) fn noise(&self, scatter: f64, discrepancy_by: &dyn Fn(usize, &DimensionShift) -> f64) -> Vec<f64> {
         let rows: Vec<(usize, &Measured)> = self.rows().collect();
@@ -219,7 +263,7 @@ impl Discrepancy {
         let own: Vec<usize> = self.trials.iter().flat_map(|trial| 0..trial.measured.len()).collect();
         let mut noise = vec![0.0; n * n];
         for (i, (left, a)) in rows.iter().enumerate() {
-            for (j, (right, b)) in rows.iter().enumerate() {
+            for (j, (right, _)) in rows.iter().enumerate() {
                 let mut shared = 0.0;
                 if self.is_one_disc(*left, *right) {
                     // cov(t_a, t_b) = s_a s_b
@@ -230,9 +274,6 @@ impl Discrepancy {
                         |row: usize, shift: &DimensionShift| shift.log_ratio[own[row]] + discrepancy_by(row, shift);
                     let shifts = self.trials[*left].dimension_shifts.iter();
                     shared += shifts.map(|shift| by(i, shift) * by(j, shift)).sum::<f64>();
-                }
-                if is_same(&a.load, &b.load) {
-                    shared += a.flat_std * b.flat_std;
                 }
                 if i == j {
                     shared += a.patterned_std.max(self.hyperparameters().least_measured_std).powi(2);
@@ -315,7 +356,8 @@ impl Discrepancy {
             (c..p).for_each(|row| inverse[row * p + c] = column[row]);
         }
         let of_globals = |row: &[f64]| self.basis.globals().map(|place| row[place] * mean[place]).iter().sum::<f64>();
-        let at_trials = rows.iter().map(|row| dot(row, &mean) - of_globals(row)).collect();
+        let first = self.basis.flat.len();
+        let at_trials = rows.iter().map(|row| dot(&row[first..], &mean[first..]) - of_globals(row)).collect();
         Some((Member { mean, inverse, at_trials, ..member }, evidence))
     }
 }

@@ -56,6 +56,33 @@ struct Prepared {
     ee: [[f64; GLOBALS]; GLOBALS],
     /// Columns of L^-1 for the residual's coefficients.
     residual: Vec<Vec<f64>>,
+    /// Flat friction; `None` for predictions of ratios.
+    flat: Option<PreparedFlat>,
+}
+
+/// Error of flat friction as known from the trials, of a member prepared for the loads: F_l = L^-1 w_l, with the shares
+/// `w_l` of the flat sample's errors at load l.
+#[derive(Clone, Debug)]
+struct PreparedFlat {
+    /// Posterior mean, one per load.
+    mean: Vec<f64>,
+    /// F_l, without the entries of the flat sample's own errors.
+    f: Vec<Vec<f64>>,
+    /// Products F_l F_m, loads x loads.
+    ff: Vec<f64>,
+    /// Products F_l F_m of the entries of the flat sample's own errors, loads x loads: the covariance given all other
+    /// coefficients.
+    ff_given_rest: Vec<f64>,
+}
+
+/// Unknowns that a prediction takes as known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Known {
+    Nothing,
+    /// The discrepancy of the texture.
+    Form,
+    /// Flat friction, as far as trials inform about it.
+    Flat,
 }
 
 /// Prediction for one texture: the logarithm of a cut sample's true ratio over the modelled one, at each load.
@@ -89,8 +116,10 @@ struct FormAt {
 }
 
 impl Predictor {
-    pub(crate) fn new(basis: &Basis, members: &[Member], loads: &[Load]) -> Self {
-        let (p, of_form, of_residual) = (basis.count(), basis.of_form(), basis.of_form() + GLOBALS);
+    pub(crate) fn new(basis: &Basis, members: &[Member], loads: &[Load], shares: &[Vec<f64>]) -> Self {
+        // Only the columns of L^-1 for the flat sample's errors, which come first, have entries in the first rows.
+        let (p, flat, of_form) = (basis.count(), basis.flat.len(), basis.of_form());
+        let of_residual = flat + of_form + GLOBALS;
         let rows: Vec<Vec<f64>> = loads.iter().map(|load| basis.at_load(load)).collect();
         let mut forms: Vec<Form> = Vec::new();
         let mut place_of = |form: Form| {
@@ -100,10 +129,10 @@ impl Predictor {
             })
         };
         let prepared = |member: &Member| {
-            let column = |c: usize| -> Vec<f64> { (0..p).map(|row| member.inverse[row * p + c]).collect() };
+            let column = |c: usize| -> Vec<f64> { (flat..p).map(|row| member.inverse[row * p + c]).collect() };
             let times = |row: &[f64]| -> Vec<f64> {
                 // Lower triangle: entries beyond the diagonal are zero.
-                (0..p).map(|r| dot(&member.inverse[r * p..][..=r.min(of_form - 1)], row)).collect()
+                (flat..p).map(|r| dot(&member.inverse[r * p + flat..][..=(r - flat).min(of_form - 1)], row)).collect()
             };
             let b: Vec<Vec<f64>> = rows.iter().map(|row| times(row)).collect();
             let scaled = |global: usize| {
@@ -111,8 +140,27 @@ impl Predictor {
                 column(basis.globals()[global]).iter().map(|entry| std * entry).collect::<Vec<f64>>()
             };
             let e: [Vec<f64>; GLOBALS] = std::array::from_fn(scaled);
+            let of_flat = || {
+                let f = |row: usize| {
+                    let of_load = move |share: &Vec<f64>| dot(&member.inverse[row * p..][..=row.min(flat - 1)], share);
+                    shares.iter().map(of_load)
+                };
+                // All entries, row by row: those of the flat sample's own errors first.
+                let all: Vec<Vec<f64>> = (0..p).map(|row| f(row).collect()).collect();
+                let n = shares.len();
+                let products = |rows: &[Vec<f64>]| -> Vec<f64> {
+                    (0..n * n).map(|e| rows.iter().map(|row| row[e / n] * row[e % n]).sum()).collect()
+                };
+                PreparedFlat {
+                    mean: shares.iter().map(|share| dot(share, &member.mean)).collect(),
+                    f: (0..n).map(|load| all[flat..].iter().map(|row| row[load]).collect()).collect(),
+                    ff: products(&all),
+                    ff_given_rest: products(&all[..flat]),
+                }
+            };
             Prepared {
-                mean_of_form: rows.iter().map(|row| dot(row, &member.mean)).collect(),
+                flat: (flat > 0 && !shares.is_empty()).then(of_flat),
+                mean_of_form: rows.iter().map(|row| dot(row, &member.mean[flat..])).collect(),
                 mean_of_globals: basis.global_means(&member.mean),
                 mean_of_residual: member.mean[of_residual..].to_vec(),
                 bb: b.iter().flat_map(|left| b.iter().map(|right| dot(left, right))).collect(),
@@ -168,13 +216,14 @@ impl Predictor {
     pub fn predict_made(&self, of: &Features, sensitivity: &[Sensitivity], shifts: &[DimensionShift]) -> Prediction {
         let (modelled, covariance) = (&[][..], &[][..]);
         let of = Candidate { features: *of, modelled, sensitivity, covariance, dimension_shifts: shifts };
-        self.predicted(&[of], false)
+        self.predicted(&[of], Known::Nothing)
     }
 
     /// Predicts samples that share all unknowns except the errors of their dimensions; values are sorted by sample,
-    /// then by load. With `has_known_form` the uncertainty of the discrepancy is left out, so that covariances contain
-    /// modulus, local law, dimensions and the scatter of the samples. The covariances of `samples` are not added.
-    fn predicted(&self, samples: &[Candidate<'_>], has_known_form: bool) -> Prediction {
+    /// then by load. With a known form the uncertainty of the discrepancy is left out, so that covariances contain
+    /// modulus, local law, flat friction, dimensions and the scatter of the samples. The covariances of `samples` are not
+    /// added.
+    fn predicted(&self, samples: &[Candidate<'_>], known: Known) -> Prediction {
         let n = self.loads.len();
         let rows: Vec<(usize, usize)> = (0..samples.len()).flat_map(|of| (0..n).map(move |load| (of, load))).collect();
         let all = rows.len();
@@ -241,7 +290,7 @@ impl Predictor {
                         entry += dot(&moved[a], &moved[b]);
                         times += dot(&forms[of].log_shifts, &forms[of].log_shifts);
                     }
-                    if !has_known_form {
+                    if known != Known::Form {
                         let [r_a, r_b] = [a, b].map(|row| &r[row * count..][..count]);
                         let [rb, br] = [dot(r_a, &member.b[m][first..]), dot(r_b, &member.b[l][first..])];
                         let left = self.humidity_left[l * n + m];
@@ -261,25 +310,49 @@ impl Predictor {
                     covariance[b * all + a] = entry;
                 }
             }
-            Component {
-                form: member.member.form,
-                weight: member.member.weight,
-                mean: (0..all).map(|a| of_form[a] + dot(&g[a], &member.mean_of_globals)).collect(),
-                covariance,
+            let mut mean: Vec<f64> = (0..all).map(|a| of_form[a] + dot(&g[a], &member.mean_of_globals)).collect();
+            if let Some(flat) = &member.flat {
+                mean.iter_mut().zip(&rows).for_each(|(mean, (_, load))| *mean += flat.mean[*load]);
+                // v_a F_m
+                let of_flat = |a: usize, m: usize| {
+                    let ((of, l), f) = (rows[a], &flat.f[m]);
+                    let of_globals: f64 = (0..globals).map(|k| g[a][k] * dot(&member.e[k], f)).sum();
+                    let of_form = h(of) * dot(&member.b[l], f) + dot(&r[a * count..][..count], &f[first..]);
+                    (of_globals + if known == Known::Form { 0.0 } else { of_form }, flat.ff[l * n + m])
+                };
+                let shared: Vec<Vec<(f64, f64)>> = (0..all).map(|a| (0..n).map(|m| of_flat(a, m)).collect()).collect();
+                for (a, (_, l)) in rows.iter().enumerate() {
+                    for (b, (_, m)) in rows.iter().enumerate() {
+                        covariance[a * all + b] += match known {
+                            Known::Form => flat.ff_given_rest[l * n + m],
+                            _ => shared[a][*m].0 + shared[b][*l].0 + flat.ff[l * n + m],
+                        };
+                    }
+                }
+                if known == Known::Flat {
+                    let with_flat = shared.iter().flatten().map(|(rest, own)| rest + own).collect();
+                    condition(&mut covariance, with_flat, flat.ff.clone());
+                }
             }
+            Component { form: member.member.form, weight: member.member.weight, mean, covariance }
         };
         Prediction { components: self.members.iter().map(component).collect() }
     }
 
     /// Predicts a sample of `candidate`, including its dimension shifts and covariance.
     pub fn of(&self, candidate: &Candidate<'_>) -> Prediction {
-        self.predicted(&[*candidate], false).with(candidate.covariance)
+        self.predicted(&[*candidate], Known::Nothing).with(candidate.covariance)
+    }
+
+    /// Predicts a sample of `candidate` if flat friction were known exactly, as far as trials inform about it.
+    pub fn of_known_flat(&self, candidate: &Candidate<'_>) -> Prediction {
+        self.predicted(&[*candidate], Known::Flat).with(candidate.covariance)
     }
 
     /// Predicts a sample of `candidate` with the discrepancy of the texture fixed so that the medians are `medians`: the
     /// uncertainty of modulus, local law, dimensions and the scatter of the sample remain.
     pub fn of_known_form(&self, candidate: &Candidate<'_>, medians: &[f64]) -> Prediction {
-        let mut found = self.predicted(&[*candidate], true).with(candidate.covariance);
+        let mut found = self.predicted(&[*candidate], Known::Form).with(candidate.covariance);
         found.components.iter_mut().for_each(|component| medians.clone_into(&mut component.mean));
         found
     }
@@ -294,7 +367,33 @@ impl Predictor {
         let factors: Vec<f64> = samples.iter().flat_map(factor).collect();
         let row = |row: usize| &factors[row * n..][..n];
         let shared: Vec<f64> = (0..all * all).map(|entry| dot(row(entry / all), row(entry % all))).collect();
-        self.predicted(samples, false).with(&shared)
+        self.predicted(samples, Known::Nothing).with(&shared)
+    }
+}
+
+/// Turns the `covariance` of values v into that given other values z, with their covariances `with` each other (v x z)
+/// and `own` (z x z), which may be singular: cov(v, v) - cov(v, z) cov(z, z)^-1 cov(z, v), by eliminating one z after the
+/// other.
+fn condition(covariance: &mut [f64], mut with: Vec<f64>, mut own: Vec<f64>) {
+    let n = own.len().isqrt();
+    let all = with.len() / n;
+    for z in 0..n {
+        let pivot = own[z * n + z];
+        // What the values before determine, within rounding.
+        if pivot <= 1e-20 {
+            continue;
+        }
+        let (column, row): (Vec<f64>, Vec<f64>) =
+            ((0..all).map(|a| with[a * n + z]).collect(), (0..n).map(|m| own[z * n + m]).collect());
+        for a in 0..all {
+            for b in 0..all {
+                covariance[a * all + b] -= column[a] * column[b] / pivot;
+            }
+            (0..n).for_each(|m| with[a * n + m] -= column[a] * row[m] / pivot);
+        }
+        for l in 0..n {
+            (0..n).for_each(|m| own[l * n + m] -= row[l] * row[m] / pivot);
+        }
     }
 }
 

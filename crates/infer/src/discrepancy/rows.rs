@@ -1,6 +1,7 @@
 //! Coefficients of the mixture, each in units of its prior standard deviation, and their basis functions at a texture and
 //! a load.
 
+use crate::discrepancy::mixture::is_same;
 use crate::discrepancy::residual::{Place, ResidualBasis};
 use crate::discrepancy::{Conditions, Features, Hyperparameters, Load, Sensitivity, Trial};
 use slipgrid_base::statistics::cholesky::{cholesky, dot, solve_lower};
@@ -30,14 +31,16 @@ impl Sensitivity {
     }
 }
 
-/// Basis functions: first those of the load, then eta and gamma at every measured humidity, eps, lambda, and the residual
-/// at the trials.
+/// Basis functions: first the errors of the flat sample at the loads of trials, then those of the load, then eta and
+/// gamma at every measured humidity, eps, lambda, and the residual at the trials.
 #[derive(Clone, Debug)]
 pub struct Basis {
     pub hyper: Hyperparameters,
     pub conditions: Conditions,
     /// Prior relative standard deviation of Young's modulus.
     pub modulus_std: f64,
+    /// Loads at which trials were measured: each has one error of the flat sample.
+    pub flat: Vec<Load>,
     humidities: Vec<f64>,
     /// Lower factor of the correlation of eta, and of gamma, at the measured humidities.
     humidity_factor: Vec<f64>,
@@ -55,10 +58,17 @@ impl Basis {
         let n = levels.len();
         let correlation: Vec<f64> =
             levels.iter().flat_map(|a| levels.iter().map(|b| correlation(hyper, *a, *b))).collect();
+        let mut flat: Vec<Load> = Vec::new();
+        for (_, at) in measured().filter(|(_, at)| at.flat_std > 0.0) {
+            if !flat.iter().any(|known| is_same(known, &at.load)) {
+                flat.push(at.load);
+            }
+        }
         let places = measured().map(|(trial, at)| Place::new(hyper, &trial.features, &at.load)).collect();
         Self {
             residual_basis: ResidualBasis::new(places),
             humidity_factor: cholesky(&correlation, n).unwrap_or_default(),
+            flat,
             humidities: levels,
             hyper: hyper.clone(),
             conditions,
@@ -71,14 +81,14 @@ impl Basis {
         OF_LOAD + OF_HUMIDITY * self.humidities.len()
     }
 
-    /// Number of all coefficients: those of a form, eps and lambda, and those of the residual.
+    /// Number of all coefficients: errors of the flat sample, those of a form, eps and lambda, and those of the residual.
     pub fn count(&self) -> usize {
-        self.of_form() + GLOBALS + self.residual_basis.places.len()
+        self.flat.len() + self.of_form() + GLOBALS + self.residual_basis.places.len()
     }
 
     /// Indices of the coefficients eps (error of ln(modulus)) and lambda (share of the local law).
     pub fn globals(&self) -> [usize; GLOBALS] {
-        std::array::from_fn(|global| self.of_form() + global)
+        std::array::from_fn(|global| self.flat.len() + self.of_form() + global)
     }
 
     /// Prior standard deviations of eps (error of ln(modulus)) and lambda (share of the local law).
@@ -147,11 +157,24 @@ impl Basis {
         if a == b { left.max(0.0) } else { left }
     }
 
-    /// Basis functions of all coefficients at a texture and a load. `form` is the value of the form times the scale,
-    /// `residual` the standard deviation of the residual over that of alpha.
-    pub fn row(&self, form: f64, residual: f64, of: &Features, load: &Load, sensitivity: Sensitivity) -> Vec<f64> {
-        let mut row = self.at_load(load);
-        row.iter_mut().for_each(|entry| *entry *= form);
+    /// Effects of the errors of the flat sample on a ratio measured at `load` with the relative error `std` of the flat
+    /// sample.
+    pub fn flat_row(&self, load: &Load, std: f64) -> Vec<f64> {
+        self.flat.iter().map(|known| if is_same(known, load) { std } else { 0.0 }).collect()
+    }
+
+    /// Basis functions of all coefficients at a texture and a load. `flat` are those of the flat sample's errors, `form`
+    /// is the value of the form times the scale, `residual` the standard deviation of the residual over that of alpha.
+    pub fn row(
+        &self,
+        flat: Vec<f64>,
+        [form, residual]: [f64; 2],
+        of: &Features,
+        load: &Load,
+        sensitivity: Sensitivity,
+    ) -> Vec<f64> {
+        let mut row = flat;
+        row.extend(self.at_load(load).iter().map(|entry| form * entry));
         row.extend(self.global_stds().into_iter().zip(sensitivity.globals()).map(|(std, own)| std * own));
         row.extend(self.residual(&self.place(of, load)).iter().map(|entry| form * residual * entry));
         row

@@ -15,6 +15,8 @@ use slipgrid_base::statistics::cholesky::dot;
 pub struct Scenarios {
     basis: Basis,
     members: Vec<Member>,
+    /// Shares of the flat sample's errors at each load; empty for ratios.
+    flat_shares: Vec<Vec<f64>>,
     draws: Vec<Truth>,
     /// Deviation of the log ratio by the scatter of the one disc that all samples share, one per truth; empty if each
     /// sample has a separate disc.
@@ -52,6 +54,8 @@ const OF_SAMPLES: u64 = 2 << 32;
 const OF_RESIDUALS: u64 = 3 << 32;
 /// Offset of the seed for the local law.
 const OF_LOCAL_LAW: u64 = 4 << 32;
+/// Offset of the seed for the flat sample's errors.
+const OF_FLAT: u64 = 5 << 32;
 
 impl ResidualDraw {
     fn new(basis: &ResidualBasis, normals: &mut Normals) -> Self {
@@ -80,9 +84,9 @@ impl Scenarios {
         let (basis, members) = (discrepancy.basis().clone(), discrepancy.members().to_vec());
         let p = basis.count();
         let mut normals = Normals::new(seed);
-        let [mut of_residual, mut of_law] =
-            [OF_RESIDUALS, OF_LOCAL_LAW].map(|beyond| Normals::new(seed.wrapping_add(beyond)));
-        let [_, law] = basis.globals();
+        let [mut of_residual, mut of_law, mut of_flat] =
+            [OF_RESIDUALS, OF_LOCAL_LAW, OF_FLAT].map(|beyond| Normals::new(seed.wrapping_add(beyond)));
+        let ([_, law], flat) = (basis.globals(), basis.flat.len());
         let mut draws = Vec::with_capacity(count);
         let (mut place, mut reached) = (0, members.first().map_or(1.0, |member| member.weight));
         for draw in 0..count {
@@ -92,7 +96,12 @@ impl Scenarios {
                 reached += members[place].weight;
             }
             let member = &members[place];
-            let z: Vec<f64> = (0..p).map(|c| if c == law { of_law.draw() } else { normals.draw() }).collect();
+            let deviate = |c: usize| match c {
+                c if c < flat => of_flat.draw(),
+                c if c == law => of_law.draw(),
+                _ => normals.draw(),
+            };
+            let z: Vec<f64> = (0..p).map(deviate).collect();
             // theta = mean + L^-T z
             let coefficient =
                 |c: usize| member.mean[c] + (c..p).map(|row| member.inverse[row * p + c] * z[row]).sum::<f64>();
@@ -102,7 +111,14 @@ impl Scenarios {
                 residual: ResidualDraw::new(&basis.residual_basis, &mut of_residual),
             });
         }
-        Self { basis, members, draws, of_disc: Vec::new(), seed }
+        Self { basis, members, flat_shares: Vec::new(), draws, of_disc: Vec::new(), seed }
+    }
+
+    /// Evaluates samples for friction in place of ratios, with `flat_shares` of [`Discrepancy::flat_shares`], one list per
+    /// load; without shares for ratios.
+    #[must_use]
+    pub fn of_friction(self, flat_shares: &[Vec<f64>]) -> Self {
+        Self { flat_shares: flat_shares.to_vec(), ..self }
     }
 
     /// Puts all samples on one disc: they share one deviation due to scatter, drawn with `seed`.
@@ -133,13 +149,17 @@ impl Scenarios {
         let residual_left = |draw: &ResidualDraw, load: usize| {
             amplitude * draw.prior(&places[load]) - dot(&explained[load], &draw.whitened)
         };
+        let first = self.basis.flat.len();
         let of = |member: &Member| {
             let form = member.value(&candidate.features);
-            let at = loads.iter().zip(candidate.sensitivity);
-            let row = |load, own| self.basis.row(form, member.residual, &candidate.features, load, own);
+            let at = loads.iter().zip(candidate.sensitivity).enumerate();
+            let row = |(place, (load, own)): (usize, (&Load, &Sensitivity))| {
+                let flat = self.flat_shares.get(place).cloned().unwrap_or_else(|| vec![0.0; first]);
+                self.basis.row(flat, [form, member.residual], &candidate.features, load, *own)
+            };
             let shifts = candidate.dimension_shifts.iter();
             let log_forms: Vec<f64> = shifts.map(|shift| shift.log_form(&member.form, &candidate.features)).collect();
-            (form, at.map(|(load, own)| row(load, *own)).collect::<Vec<_>>(), log_forms)
+            (form, at.map(row).collect::<Vec<_>>(), log_forms)
         };
         let members: Vec<(f64, Vec<Vec<f64>>, Vec<f64>)> = self.members.iter().map(of).collect();
         let left: Vec<f64> = loads.iter().flat_map(|a| loads.iter().map(|b| self.basis.humidity_left(a, b))).collect();
@@ -166,12 +186,13 @@ impl Scenarios {
             let at = |load: usize| {
                 let of_globals: f64 = globals.map(|place| rows[load][place] * truth.coefficients[place]).iter().sum();
                 let rest = form * (left[load] + member.residual * residual_left(&truth.residual, load));
-                let of_form = dot(&rows[load], &truth.coefficients) - of_globals + rest;
+                let of_flat = dot(&rows[load][..first], &truth.coefficients[..first]);
+                let of_form = dot(&rows[load][first..], &truth.coefficients[first..]) - of_globals + rest;
                 let shifts = candidate.dimension_shifts.iter().zip(&deviates);
                 let of_dimensions: f64 = shifts.map(|(shift, z)| shift.log_ratio[load] * z).sum();
-                // y = D h' / h + eps g + lambda d + shared errors + d ln R + t
+                // y = D h' / h + eps g + lambda d + flat friction + shared errors + d ln R + t
                 let of_globals = of_globals + prior_mean[load];
-                of_form * (1.0 + log_form) + of_globals + common[load] + of_dimensions + t
+                of_form * (1.0 + log_form) + of_globals + of_flat + common[load] + of_dimensions + t
             };
             (0..n).map(at).collect()
         };

@@ -323,6 +323,39 @@ fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
     }
 }
 
+/// Friction of the texture of a trial, at its load, against flat friction known to f from the sample of the trial: with
+/// the amplitude a, x the error of flat friction, y = a + x + t + e of the trial, and v = a + x + t' of another sample.
+#[test]
+fn friction_shares_the_flat_sample_with_the_trial() {
+    let (a2, f2, s2, e2) = (0.2_f64.powi(2), 0.09_f64.powi(2), 0.03_f64.powi(2), 0.01_f64.powi(2));
+    let hyper = Hyperparameters { sample_std: s2.sqrt(), ..amplitude_alone() };
+    let (at, texture) = ([load(1.3, 2.0, 40.0)], hyper.reference);
+    let mut cut = trial("", texture, &at, e2.sqrt(), &mut |_| -0.1);
+    cut.measured[0].flat_std = f2.sqrt();
+    let y = cut.measured[0].log_excess();
+    let known = learned_exactly(hyper, vec![cut]);
+    let (shares, rest) = known.flat_shares(&[vec![f2, f2], vec![f2, f2]], 1);
+    assert!((shares[0][0] - f2.sqrt()).abs() < 1e-15 && rest[0][0].abs() < 1e-15, "{shares:?} {rest:?}");
+    // Prior variance p of what a sample and the trial share, and s^2 + e^2 of what they do not.
+    let given = |p: f64| p - p * p / (p + s2 + e2) + s2;
+    let (none, predictor) = (moduli([0.0]), known.of_friction_at(&at, &shares));
+    let candidate =
+        Candidate { features: texture, modelled: &[0.9], sensitivity: &none, covariance: &[], dimension_shifts: &[] };
+    let (mean, std) = predictor.of(&candidate).moments(0);
+    let expected = (a2 + f2) / (a2 + f2 + s2 + e2) * y;
+    assert!((mean - expected).abs() < 1e-12 && (std * std - given(a2 + f2)).abs() < 1e-12, "{mean} {std}");
+    // The ratio shares the amplitude alone: p^2 is that of the amplitude, and the flat sample is noise.
+    let of_ratio = known.at(&at).of(&candidate).moments(0).1;
+    assert!((of_ratio * of_ratio - (a2 - a2 * a2 / (a2 + f2 + s2 + e2) + s2)).abs() < 1e-12, "{of_ratio}");
+    let of_flat = predictor.of_known_flat(&candidate).moments(0).1;
+    assert!((of_flat * of_flat - given(a2)).abs() < 1e-12, "{of_flat}");
+    let of_form = predictor.of_known_form(&candidate, &[0.0]).moments(0).1;
+    assert!((of_form * of_form - given(f2)).abs() < 1e-12, "{of_form}");
+    let drawn = Scenarios::new(&known, 8000, 1).of_friction(&shares).log_excesses(&candidate, &at, 0);
+    let square = drawn.iter().map(|of| (of[0] - mean).powi(2)).sum::<f64>() / 8000.0;
+    assert!((square / (std * std) - 1.0).abs() < 0.06, "{square} {std}");
+}
+
 /// Without an effect of the texture, no trial moves a prediction: samples scatter.
 #[test]
 fn without_an_effect_samples_scatter_alone() {

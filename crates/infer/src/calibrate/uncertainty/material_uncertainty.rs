@@ -5,7 +5,10 @@ use slipgrid_model::material::{AreaLaw, Condition, MaterialError, between};
 use slipgrid_model::springblock::Load;
 
 use super::{Covariance, InputUncertainty, ScaleError, local_law, with_scale};
-use crate::discrepancy::{Conditions, Discrepancy, DiscrepancyError, Hyperparameters};
+use crate::discrepancy::{Conditions, Discrepancy, DiscrepancyError, Hyperparameters, Load as At};
+
+/// Relative difference up to which two pressures count as equal.
+const SAME_PRESSURE: f64 = 1e-6;
 
 /// Errors of a material's numbers, as far as its file states them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,6 +71,51 @@ impl MaterialUncertainty {
     /// conditions, errors are fully correlated. `None` if the file has no standard errors for a condition.
     pub fn friction_covariance(&self, pressures_pa: &[f64], conditions: &[Option<Condition>]) -> Option<Covariance> {
         covariance(&self.friction, pressures_pa, conditions)
+    }
+
+    /// Shares of the flat sample's errors at the loads of trials in the error of flat friction at `pressures_pa` for each
+    /// of `conditions`, and the covariance of the rest, as [`Discrepancy::flat_shares`] gives them. `None` without
+    /// trials, without standard errors, and if friction was fitted together with the scale of the area law.
+    pub fn flat_shares(
+        &self,
+        learned: &Discrepancy,
+        pressures_pa: &[f64],
+        conditions: &[Option<Condition>],
+    ) -> Option<(Vec<Vec<f64>>, Covariance)> {
+        let flat = learned.flat_loads();
+        if flat.is_empty() || self.scale_covariance.is_some() {
+            return None;
+        }
+        let condition = |load: &At| Condition { speed_m_s: load.speed_m_s, humidity: load.humidity };
+        // A coefficient was fitted to the flat samples of its own load alone.
+        let is_fitted = |load: &At| {
+            self.friction.iter().any(|of| {
+                of.pressure_pa.is_none_or(|own_pa| (own_pa / load.pressure_pa - 1.0).abs() < SAME_PRESSURE)
+                    && of.condition.is_none_or(|own| Condition::is_same(Some(&own), Some(&condition(load))))
+            })
+        };
+        let fitted: Vec<usize> = (0..flat.len()).filter(|k| is_fitted(&flat[*k])).collect();
+        let all_pa: Vec<f64> =
+            pressures_pa.iter().copied().chain(fitted.iter().map(|k| flat[*k].pressure_pa)).collect();
+        let of_fitted = fitted.iter().map(|k| Some(condition(&flat[*k])));
+        let all: Vec<Option<Condition>> = conditions.iter().copied().chain(of_fitted).collect();
+        let grid = self.friction_covariance(&all_pa, &all)?;
+        // Of every pressure at every condition: those asked for, and each trial's pressure at its own condition.
+        let count = conditions.len() * pressures_pa.len();
+        let place = |of: usize, at: usize| of * all_pa.len() + at;
+        let mut places: Vec<Option<usize>> = vec![None; count + flat.len()];
+        for (asked, own) in places[..count].iter_mut().enumerate() {
+            *own = Some(place(asked / pressures_pa.len(), asked % pressures_pa.len()));
+        }
+        for (k, own) in fitted.iter().enumerate() {
+            places[count + own] = Some(place(conditions.len() + k, pressures_pa.len() + k));
+        }
+        let entry = |row: &Option<usize>, column: &Option<usize>| {
+            row.zip(*column).map_or(0.0, |(row, column)| grid[row][column])
+        };
+        let covariance: Covariance =
+            places.iter().map(|row| places.iter().map(|column| entry(row, column)).collect()).collect();
+        Some(learned.flat_shares(&covariance, count))
     }
 
     /// Dynamic friction of the flat sample over steady friction at `pressures_pa`, interpolated linearly between
