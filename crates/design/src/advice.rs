@@ -1,16 +1,18 @@
 //! Advice on the texture that was found: cut a series, cut a trial, or nothing.
 
-use crate::optimize::Goal;
+use slipgrid_base::statistics::extremes;
 use slipgrid_base::units::tidy;
 use slipgrid_infer::discrepancy::{Features, Trial};
 
+use crate::band::Asked;
 use crate::prediction::{Prediction, percent};
 use crate::results::length_in_words;
-use crate::search::Search;
+use crate::search::{Search, is_same};
 
 /// Minimum chance at which a series is advised.
 const SERIES: f64 = 0.9;
-/// Two textures are near each other if width, pitch and depth differ by at most this factor.
+/// Two textures are near each other if width, pitch, depth and areal density differ by at most this factor, and a load
+/// is near measured ones if it lies outside their pressures by at most this factor.
 const NEARBY: f64 = 1.5;
 
 /// Recommended next action.
@@ -20,8 +22,13 @@ pub enum Advice {
     Series,
     /// Cut a trial: the chance is too low for a series, or no trial of a similar texture exists.
     Trial,
-    /// Cut nothing new: the trial with this name and texture is on target.
-    TrialMeetsIt(String),
+    /// Cut nothing new: a trial is on target.
+    TrialMeetsIt {
+        /// Name and texture of the trial, in words.
+        trial: String,
+        /// Whether the best texture is that of the trial.
+        is_best: bool,
+    },
     /// Cut nothing: no texture has a median within the accepted band, or none keeps all limits.
     CannotBeMet {
         /// Whether the best texture, as it would be cut, keeps all limits.
@@ -39,14 +46,14 @@ impl Advice {
         let flat = vec![1.0; asked.loads.len()];
         let is_flat_best = match asked.goal {
             None => asked.accepts(&flat),
-            Some(Goal::Even) => false,
             Some(_) => asked.accepts(&flat) && asked.goal_gain(&flat) >= asked.goal_gain(&best.medians()),
         };
         if is_flat_best {
             return Self::DoNotTexture;
         }
         if let Some(trial) = asked.met_by() {
-            return Self::TrialMeetsIt(named(trial));
+            let is_best = is_same(&trial.features, &best.texture.features);
+            return Self::TrialMeetsIt { trial: named(trial), is_best };
         }
         if best.texture.excess > 0.0 {
             return Self::CannotBeMet { keeps_limits: false };
@@ -56,7 +63,8 @@ impl Advice {
         if !is_within_reach && asked.has_demands() && has_trials {
             return Self::CannotBeMet { keeps_limits: true };
         }
-        let is_nearby = asked.learned.trials().iter().any(|trial| is_near(trial, &best.texture.features));
+        let is_nearby = |trial: &Trial| is_near(trial, &best.texture.features) && is_near_loads(trial, asked);
+        let is_nearby = asked.learned.trials().iter().any(is_nearby);
         if best.chance() >= SERIES && is_nearby { Self::Series } else { Self::Trial }
     }
 
@@ -65,7 +73,7 @@ impl Advice {
         match self {
             Self::Series => "series",
             Self::Trial => "trial",
-            Self::TrialMeetsIt(_) => "trial_meets_it",
+            Self::TrialMeetsIt { .. } => "trial_meets_it",
             Self::CannotBeMet { .. } => "cannot_be_met",
             Self::DoNotTexture => "do_not_texture",
         }
@@ -83,9 +91,10 @@ impl Advice {
             ),
             Self::Trial if has_demands => format!("cut a trial: {of_sample}"),
             Self::Trial => "cut a trial: the best texture found for the goal".to_owned(),
-            Self::TrialMeetsIt(trial) => format!(
-                "nothing need be cut: trial {trial} already meets the target; the likeliest other texture has a chance of {chance}"
-            ),
+            Self::TrialMeetsIt { trial, is_best } => {
+                let other = if *is_best { "another sample of it" } else { "the likeliest other texture" };
+                format!("nothing need be cut: trial {trial} already meets the target; {other} has a chance of {chance}")
+            }
             Self::CannotBeMet { keeps_limits: false } => {
                 "this target cannot be met: no texture found keeps all limits as it would be cut; this one breaks them least"
                     .to_owned()
@@ -98,16 +107,23 @@ impl Advice {
     }
 }
 
-/// Name of `trial` in quotes, with width, spacing and depth in micrometres.
+/// Name of `trial` in quotes, with width, spacing and depth in micrometres and the areal density.
 fn named(trial: &Trial) -> String {
-    let Features { width_m, pitch_m, depth_m, .. } = trial.features;
+    let Features { width_m, pitch_m, depth_m, areal_density, .. } = trial.features;
     let lengths_um = [width_m, pitch_m - width_m, depth_m].map(|length_m| length_in_words(tidy(1e6 * length_m)));
-    format!("\"{}\" (width/spacing/depth {} um)", trial.name, lengths_um.join("/"))
+    let percent = 100.0 * areal_density;
+    format!("\"{}\" (width/spacing/depth {} um, {percent:.1} % of a period)", trial.name, lengths_um.join("/"))
 }
 
-/// Whether width, pitch and depth of `trial` differ from those of the texture with the features `of` by at most
-/// the factor [`NEARBY`].
+/// Whether width, pitch, depth and areal density of `trial` differ from those of the texture with the features `of` by
+/// at most the factor [`NEARBY`].
 fn is_near(trial: &Trial, of: &Features) -> bool {
     let near = |own: fn(&Features) -> f64| (own(&trial.features) / own(of)).ln().abs() <= NEARBY.ln();
-    near(|of| of.width_m) && near(|of| of.pitch_m) && near(|of| of.depth_m)
+    near(|of| of.width_m) && near(|of| of.pitch_m) && near(|of| of.depth_m) && near(|of| of.areal_density)
+}
+
+/// Whether `trial` was measured at the pressures of `asked`, or at most the factor [`NEARBY`] beside them.
+fn is_near_loads(trial: &Trial, asked: &Asked) -> bool {
+    let [least_pa, most_pa] = extremes(trial.measured.iter().map(|at| at.load.pressure_pa));
+    asked.loads.iter().all(|load| (least_pa / NEARBY..=most_pa * NEARBY).contains(&load.pressure_pa))
 }

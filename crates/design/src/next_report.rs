@@ -187,11 +187,12 @@ impl NextReport {
         next.chain(own).chain(others).collect()
     }
 
-    /// User's sample with the highest chance; `None` unless this chance is clearly higher than that of all samples
+    /// User's sample with the highest chance that keeps all limits; `None` unless this chance is clearly higher than that of all samples
     /// found.
     pub fn likelier_own(&self) -> Option<&SampleReport> {
         let found = self.samples.iter().chain(&self.others).filter_map(|of| of.chance).fold(0.0, f64::max);
-        let own = self.own.iter().reduce(|best, next| if next.chance > best.chance { next } else { best })?;
+        let keeping = self.own.iter().filter(|own| own.violations.is_empty());
+        let own = keeping.reduce(|best, next| if next.chance > best.chance { next } else { best })?;
         (own.chance? > found + ALIKE).then_some(own)
     }
 

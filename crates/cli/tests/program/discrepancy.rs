@@ -71,7 +71,7 @@ fn a_trial_moves_what_is_expected_and_says_what_to_do() {
     let told = place.succeed(&["optimize", "met.toml"]);
     let found = result(&place, "out/met");
     let plain = told.split_whitespace().collect::<Vec<_>>().join(" ");
-    let words = "nothing need be cut: trial \"first\" (width/spacing/depth 80/120/10 um) already meets the target; the likeliest other texture has a chance of ";
+    let words = "nothing need be cut: trial \"first\" (width/spacing/depth 80/120/10 um, 40.0 % of a period) already meets the target; ";
     assert!(found["advice"] == "trial_meets_it" && plain.contains(words), "{told}");
     assert!(place.read("out/met/report.html").contains("already meets the target"));
     let next = place.json(&["next", "met.toml", "--json"]);

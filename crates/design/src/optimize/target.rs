@@ -72,11 +72,11 @@ pub enum Wanted {
 }
 
 impl Wanted {
-    /// Lowest and highest accepted value; `None` without such a limit.
+    /// Lowest and highest accepted value; `None` without such a limit. No band goes below 0, as friction does not.
     pub fn band(&self) -> [Option<f64>; 2] {
         match *self {
             Self::Anything => [None; 2],
-            Self::Near { value, tolerance } => [Some(value - tolerance), Some(value + tolerance)],
+            Self::Near { value, tolerance } => [Some((value - tolerance).max(0.0)), Some(value + tolerance)],
             Self::Between { lowest, highest } => [Some(lowest), Some(highest)],
             Self::AtLeast { lowest, .. } => [Some(lowest), None],
             Self::AtMost { highest, .. } => [None, Some(highest)],
@@ -88,7 +88,7 @@ impl Wanted {
     pub fn tolerance(&self) -> Option<f64> {
         match *self {
             Self::Anything => None,
-            Self::Near { tolerance, .. } => Some(tolerance),
+            Self::Near { value, tolerance } => Some(0.5 * (tolerance + tolerance.min(value))),
             Self::Between { lowest, highest } => Some(0.5 * (highest - lowest)),
             Self::AtLeast { margin, .. } | Self::AtMost { margin, .. } => Some(margin),
         }

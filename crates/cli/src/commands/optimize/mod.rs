@@ -84,7 +84,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     }
     Ok(match found.advice {
         _ if !report.cut_short.is_empty() => exit_code::BUDGET,
-        Advice::Series | Advice::Trial | Advice::TrialMeetsIt(_) => exit_code::DONE,
+        Advice::Series | Advice::Trial | Advice::TrialMeetsIt { .. } => exit_code::DONE,
         Advice::CannotBeMet { .. } | Advice::DoNotTexture => exit_code::UNREACHABLE,
     })
 }

@@ -40,7 +40,8 @@ pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice:
             let ledger = calibration.map_or_else(|| without.to_owned(), |path| quoted(&shortened(path)));
             text + &format!("next    cut it, measure it, add it as [[trial]] to {ledger},\n        then: {command}\n")
         }
-        Advice::TrialMeetsIt(_) => {
+        Advice::TrialMeetsIt { is_best: true, .. } => text + "next    make the trial's texture\n",
+        Advice::TrialMeetsIt { is_best: false, .. } => {
             text + "next    make the trial's texture; to come closer, cut the one above as another trial\n"
         }
         Advice::CannotBeMet { keeps_limits: false } => text + "next    accept another limit, or widen a bound\n",
@@ -71,7 +72,12 @@ mod tests {
             "\nreport  out/a/report.html\nlaser   out/a/pattern.dxf, out/a/process.toml\n\
              next    cut it, measure it, add it as [[trial]] to c.toml,\n        then: slipgrid optimize 'a b.toml'\n"
         );
-        assert!(of(&Advice::TrialMeetsIt("\"cut\"".into())).contains("\nnext    make the trial's texture; "));
+        for (is_best, next) in
+            [(false, "make the trial's texture; to come closer"), (true, "make the trial's texture\n")]
+        {
+            let met = Advice::TrialMeetsIt { trial: "\"cut\"".into(), is_best };
+            assert!(of(&met).contains(&format!("\nnext    {next}")), "{}", of(&met));
+        }
         assert_eq!(of(&Advice::DoNotTexture), "\nreport  out/a/report.html\n");
         let of_file = written("slipgrid optimize a.toml", None, Path::new("out/a"), &Advice::Trial);
         assert!(
