@@ -104,10 +104,10 @@ pub struct RunOptions {
     #[serde(skip_serializing_if = "is_one")]
     pub draws: u64,
     // If the correction is impossible, the statements of the simulation give the reason.
-    /// Extrapolate ratios to vanishing block size from steady cells in smaller blocks; false when absent. Applies in
-    /// the vertical plane. In space it applies without rims, through smaller cells and the changes found in similar
-    /// grooves, if such cells are affordable, if cavities are at least two of their blocks deep, and if the error
-    /// decreases. Otherwise ratios remain those of the blocks of `[sample]`, and the result's model states the reason.
+    /// Extrapolate ratios to vanishing block size from steady cells in smaller blocks; false when absent. Applies where
+    /// the changes converge: in the vertical plane, and in space without rims, through smaller cells and the changes
+    /// found in similar grooves, if such cells are affordable and cavities are at least two of their blocks deep.
+    /// Otherwise ratios remain those of the blocks of `[sample]`, and the result's model states the reason.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub refine: bool,
 }

@@ -40,6 +40,9 @@ use strips::{STRIP_HEIGHTS, SteadyFace};
 pub use strips::{min_wall_m, without_slivers};
 use timed_strip::TimedStrip;
 
+/// The pressure of lands at the border is stated if it exceeds that of the longest strip by more than this factor.
+const PRESSED_HARDER: f64 = 1.02;
+
 /// Simulates `scene` with its pattern laid out on `face`, and the flat face for comparison. Loads and strips run in
 /// parallel on rayon's current pool; the result does not depend on the number of threads.
 ///
@@ -86,6 +89,7 @@ struct SteadySpecimen<'a> {
     loads: Vec<LoadOutcome>,
     /// Number of strips that were shortened by whole periods.
     shortened: usize,
+    peak_over_longest: f64,
     block_errors: Option<Vec<f64>>,
     correction: ThickLayerCorrection,
     tilt: PressureTilt,
@@ -115,8 +119,9 @@ impl<'a> SteadySpecimen<'a> {
         let (strips, ((block_errors, refined), (correction, tilt))) = rayon::join(strips, || {
             rayon::join(|| rayon::join(block_errors, refined), || rayon::join(correction, tilt))
         });
-        let Some(SteadyFace { loads, shortened }) = strips? else { return Ok(None) };
-        let found = Self { scene, face, pattern, loads, shortened, block_errors, correction, tilt, refined };
+        let Some(SteadyFace { loads, shortened, peak_over_longest }) = strips? else { return Ok(None) };
+        let found =
+            Self { scene, face, pattern, loads, shortened, peak_over_longest, block_errors, correction, tilt, refined };
         Ok((!monitor.cancelled()).then_some(found))
     }
 
@@ -168,6 +173,13 @@ impl<'a> SteadySpecimen<'a> {
         }
         if scene.is_raised() {
             statements.model(rim_difference::statement());
+        }
+        if self.peak_over_longest > PRESSED_HARDER {
+            statements.model(format!(
+                "the largest local pressure is that of the longest strip; narrower lands at the border of the specimen carry up to {:.2} \
+                 times that pressure",
+                self.peak_over_longest
+            ));
         }
         if self.shortened > 0 {
             statements.method(format!(

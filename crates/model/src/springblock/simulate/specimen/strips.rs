@@ -50,6 +50,8 @@ pub struct SteadyFace {
     pub loads: Vec<LoadOutcome>,
     /// Number of strips that were shortened by whole periods.
     pub shortened: usize,
+    /// Peak pressure of any strip over that of the longest one with cavities, at the load where this is largest.
+    pub peak_over_longest: f64,
 }
 
 /// Removes whole periods from a `strip` longer than [`STRIP_HEIGHTS`] layer heights; returns the rest and the removed
@@ -180,6 +182,7 @@ impl SteadyFace {
         let by_lattice: Option<Vec<Vec<SurfaceOutcome>>> = models.par_iter().zip(&shares).map(solved).collect();
         let Some(by_lattice) = by_lattice else { return Ok(None) };
         let flat = FlatFace::new(scene, face).solve(scene);
+        let mut peak_over_longest = 1.0_f64;
         let each = scene.loads.iter().zip(flat).enumerate().map(|(place, (load, flat))| {
             let parts = plan.pieces.iter().map(|piece| SolvedPiece {
                 piece,
@@ -187,11 +190,19 @@ impl SteadyFace {
                 pressure_share: shares[piece.lattice],
                 surface: &by_lattice[piece.lattice][place],
             });
-            face_load(face, &parts.collect::<Vec<_>>(), flat, load)
+            let parts: Vec<SolvedPiece<'_>> = parts.collect();
+            let outcome = face_load(face, &parts, flat, load);
+            let peak_pa = parts.iter().map(|part| part.surface.peak_pressure_pa).fold(0.0, f64::max);
+            let ratio = peak_pa / outcome.surface.peak_pressure_pa;
+            // A longest strip without a solution has no pressure.
+            if ratio.is_finite() {
+                peak_over_longest = peak_over_longest.max(ratio);
+            }
+            outcome
         });
         let mut loads: Vec<LoadOutcome> = each.collect();
         rim_difference::add(&rims, face.share_of(pattern), &mut loads);
-        Ok(Some(Self { loads, shortened: plan.shortened }))
+        Ok(Some(Self { loads, shortened: plan.shortened, peak_over_longest }))
     }
 }
 
@@ -271,7 +282,6 @@ fn face_load(face: &Face, parts: &[SolvedPiece<'_>], flat: SurfaceOutcome, load:
     let most = |of: fn(&SurfaceOutcome) -> f64| surfaces().map(of).fold(0.0, f64::max);
     let surface = SurfaceOutcome {
         status: worst.unwrap_or(Status::Converged),
-        peak_pressure_pa: most(|surface| surface.peak_pressure_pa),
         residual: Some(most(|surface| surface.residual.unwrap_or(0.0))),
         tension_blocks: surfaces().map(|surface| surface.tension_blocks).sum(),
         cavity_closed: surfaces().any(|surface| surface.cavity_closed),
