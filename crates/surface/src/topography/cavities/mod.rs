@@ -11,7 +11,8 @@
 //! The depth is the height of the adjacent land above the middle third of the cavity's width. The land is taken from
 //! one third of the width to the full width away from each edge (after ISO 5436-1, type A1), which excludes rims and
 //! walls, and keeps surface waves longer than a cavity from counting as depth. If neighbours leave no such land, the
-//! form fitted to all land replaces it.
+//! form fitted to all land replaces it. Walls wider than two thirds of a cavity reach into both thirds, and its depth
+//! comes out too small.
 //!
 //! Rims along the edges are measured from the mean of all heights at equal distances from an edge ([`RimMetrology`]). A
 //! rim that reaches into the adjacent land would make its cavity appear deeper, so depths refer to the land minus the
@@ -215,7 +216,8 @@ impl Sought {
         let least_m =
             |spreads: [Option<Spread>; 2]| spreads.into_iter().flatten().map(|spread| spread.mean_m).reduce(f64::min);
         let edges = found.edges(monitor)?;
-        let walls = walls::measure(found, &edges, &counts, monitor)?;
+        let mean_width_m = least_m(widths).unwrap_or(0.0);
+        let walls = walls::measure(found, &edges, &counts, mean_width_m, monitor)?;
         let scene = Scene {
             edges: &edges,
             height_m: &found.land.height_m,
@@ -224,7 +226,7 @@ impl Sought {
             counts: &counts,
             pixel_m: found.pixel_m,
             start_m: walls.top_m,
-            width_m: least_m(widths).unwrap_or(0.0),
+            width_m: mean_width_m,
             spacing_m: least_m(spacing),
         };
         let (rim, rim_heights) = rims::measure(&scene, monitor)?;

@@ -195,3 +195,46 @@ fn walls_steeper_than_pixels_resolve_say_so_and_floors_have_their_roughness() {
     let angle_deg = found.wall_angle_deg.unwrap().value;
     assert!((angle_deg - (5.2_f64 / 4.0).atan().to_degrees()).abs() < 0.02, "{angle_deg}");
 }
+
+/// Grooves of 100 um, 150 um apart and 8 um deep, on a map of roughness Sa 0.158 um with pixels of `pixel_um`, with
+/// straight walls `wall_um` wide that rise to the top of the rim, which declines outward as a ramp over 20 um.
+fn walls_up_to_rims(pixel_um: f64, wall_um: f64, rim_um: f64) -> HeightMap {
+    let pixels = (1024.0 / pixel_um) as usize;
+    let map = SelfAffine { side_m: 1.024e-3, pixels, max_wave: 100, ..SelfAffine::STAND_IN }.map().unwrap();
+    map.changed(|n, height_m| {
+        let x_um = ((n / pixels) as f64 + 0.5) * pixel_um;
+        let beyond_um = 50.0 - (x_um.rem_euclid(250.0) - 125.0).abs();
+        let out_um = -beyond_um - 0.5 * wall_um;
+        let profile_um = if out_um > 0.0 {
+            rim_um * (1.0 - out_um / 20.0).max(0.0)
+        } else {
+            (rim_um + (8.0 + rim_um) / wall_um * out_um).max(-8.0)
+        };
+        height_m + 1e-6 * profile_um
+    })
+}
+
+#[test]
+fn the_top_of_a_wall_is_found_however_many_pixels_the_wall_spans() {
+    for (pixel_um, wall_um) in [(1.0, 8.0), (1.0, 12.0), (1.0, 30.0), (2.0, 12.0), (2.0, 30.0)] {
+        for rim_um in [0.0, 0.5, 2.0] {
+            let found = walls_up_to_rims(pixel_um, wall_um, rim_um).measure_cavities(Form::Plane, &Unwatched).unwrap();
+            let what =
+                format!("pixels of {pixel_um} um, wall of {wall_um} um, rim of {rim_um} um: {:?}", found.rim.height_m);
+            let angle_deg = ((8.0 + rim_um) / wall_um).atan().to_degrees();
+            assert!(
+                (found.wall_angle_deg.unwrap().value - angle_deg).abs() < 2.0,
+                "{what}: {:?}",
+                found.wall_angle_deg
+            );
+            if rim_um == 0.0 {
+                assert!(found.rim.width_m.is_none() && found.rim.height_m.unwrap().value.abs() < 0.02e-6, "{what}");
+            } else {
+                agrees(found.rim.height_m, 1e-6 * rim_um, &what);
+                assert_eq!(found.rim.profile, Some(RimProfile::Ramp), "{what}");
+            }
+            // The floors' roughness of 0.2 um gives all maps the same depth.
+            assert!((found.depth.unwrap().mean_m - 7.92e-6).abs() < 0.01e-6, "{what}: {:?}", found.depth);
+        }
+    }
+}

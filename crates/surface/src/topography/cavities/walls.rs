@@ -9,8 +9,11 @@ use super::found::Found;
 const SHARES: [f64; 2] = [0.2, 0.8];
 /// Number of bins of wall profiles per larger side of a pixel.
 const BINS_PER_PIXEL: f64 = 2.0;
-/// Number of pixels outward from the edge at half depth that wall profiles include.
-const OUTWARD_PIXELS: f64 = 3.0;
+/// Maximum difference of the upper end of a wall from the straight line through [`SHARES`], in bins.
+const MAX_OFF_LINE: f64 = 0.5;
+/// Minimum length of a wall above the land, in bins: the first pixel of a rim, one bin beyond the wall, may lie on the
+/// wall's line by chance.
+const MIN_ABOVE_LAND: f64 = 1.25;
 /// Minimum number of points of a floor for the fit of a plane.
 const MIN_FLOOR: f64 = 12.0;
 
@@ -28,15 +31,17 @@ pub(super) fn resolved_deg(depth_m: f64, pixel_m: [f64; 2]) -> f64 {
     libm::atan(depth_m / (2.0 * pixel_m[0].max(pixel_m[1]))).to_degrees()
 }
 
-/// Measures the walls of the regions that count, from the mean depth fraction at equal distances from their edges.
+/// Measures the walls of the regions that count, from the mean depth fraction at equal distances from their edges, up
+/// to `reach_m` outward.
 pub(super) fn measure(
     found: &Found,
     edges: &Edges,
     counts: &[bool],
+    reach_m: f64,
     monitor: &dyn Monitor,
 ) -> Result<Walls, Cancelled> {
     let bin_m = found.pixel_m[0].max(found.pixel_m[1]) / BINS_PER_PIXEL;
-    let outward = (OUTWARD_PIXELS * BINS_PER_PIXEL) as usize;
+    let outward = (reach_m / bin_m).ceil();
     let mut profiles: Vec<Profile> = counts.iter().map(|_| Profile::default()).collect();
     let mut all = Profile::default();
     for (n, (&height_m, &label)) in found.land.height_m.iter().zip(&found.regions.label).enumerate() {
@@ -54,7 +59,7 @@ pub(super) fn measure(
         }
         let Some(floor) = found.floors[region as usize] else { continue };
         // Bins count from outside in; the cast saturates at the first.
-        let bin = outward as f64 - distance_m / bin_m;
+        let bin = outward - distance_m / bin_m;
         if bin >= 0.0 {
             let share = (floor.land_m - height_m) / floor.depth_m;
             for profile in [&mut profiles[region as usize], &mut all] {
@@ -71,10 +76,7 @@ pub(super) fn measure(
             Some(libm::atan2(drop_m, upper_m - lower_m).to_degrees())
         })
         .collect();
-    // A straight wall is extrapolated to the surface above a fifth of the depth.
-    let top_m = all
-        .crossings_m()
-        .map_or(bin_m, |[upper_m, lower_m]| upper_m + (upper_m - lower_m) * SHARES[0] / (SHARES[1] - SHARES[0]));
+    let top_m = all.top_m(bin_m).unwrap_or(bin_m);
     Ok(Walls { top_m: top_m.max(bin_m), angle_deg, floor_sq_m: floors_sq_m(found, monitor)? })
 }
 
@@ -94,23 +96,42 @@ impl Profile {
         }
     }
 
-    /// Distances from the edge, in metres, at which the mean depth fraction first exceeds each of [`SHARES`]; `None` if
-    /// it does not exceed both.
+    /// Mean distance from the edge in metres, and mean depth fraction, in each bin with points, from outside in.
+    fn known(&self) -> Vec<[f64; 2]> {
+        let known = self.bins.iter().filter(|[count, ..]| *count > 0.0);
+        known.map(|[count, distance_m, share]| [distance_m / count, share / count]).collect()
+    }
+
+    /// Distances from the edge, in metres, at which the mean depth fraction first exceeds the greater of [`SHARES`], and
+    /// last exceeds the smaller one outward of that; `None` if it does not exceed both.
     fn crossings_m(&self) -> Option<[f64; 2]> {
-        let known: Vec<[f64; 2]> = self
-            .bins
-            .iter()
-            .filter(|[count, ..]| *count > 0.0)
-            .map(|[count, distance_m, share]| [distance_m / count, share / count])
-            .collect();
-        let crossing = |wanted: f64| {
-            known.windows(2).find(|pair| pair[0][1] < wanted && pair[1][1] >= wanted).map(|pair| {
-                let part = (wanted - pair[0][1]) / (pair[1][1] - pair[0][1]);
-                pair[0][0] + part * (pair[1][0] - pair[0][0])
-            })
+        let known = self.known();
+        let crosses = |wanted: f64| move |pair: &[[f64; 2]]| pair[0][1] < wanted && pair[1][1] >= wanted;
+        let at_m = |wanted: f64, pair: &[[f64; 2]]| {
+            let part = (wanted - pair[0][1]) / (pair[1][1] - pair[0][1]);
+            pair[0][0] + part * (pair[1][0] - pair[0][0])
         };
-        let [upper_m, lower_m] = [crossing(SHARES[0])?, crossing(SHARES[1])?];
+        let lower = known.windows(2).position(crosses(SHARES[1]))?;
+        let upper = known[..lower + 2].windows(2).rposition(crosses(SHARES[0]))?;
+        let [upper_m, lower_m] = [at_m(SHARES[0], &known[upper..]), at_m(SHARES[1], &known[lower..])];
         (upper_m > lower_m).then_some([upper_m, lower_m])
+    }
+
+    /// Distance from the edge to the upper end of the wall, in metres: where the straight line through [`SHARES`]
+    /// reaches the land, or beyond the land, up a rim, the last bin of `bin_m` on that line.
+    fn top_m(&self, bin_m: f64) -> Option<f64> {
+        let [upper_m, lower_m] = self.crossings_m()?;
+        // Depth fraction that the wall loses per metre outward.
+        let slope = (SHARES[1] - SHARES[0]) / (upper_m - lower_m);
+        let is_on_line = |[distance_m, share]: &[f64; 2]| {
+            let line = SHARES[0] - slope * (distance_m - upper_m);
+            (share - line).abs() <= MAX_OFF_LINE * slope * bin_m
+        };
+        let known = self.known();
+        let beyond = known.iter().rev().skip_while(|[distance_m, _]| *distance_m < upper_m);
+        let end_m = beyond.take_while(|point| is_on_line(point)).last().map_or(upper_m, |[distance_m, _]| *distance_m);
+        let land_m = upper_m + SHARES[0] / slope;
+        Some(if end_m > land_m + MIN_ABOVE_LAND * bin_m { end_m } else { land_m })
     }
 }
 
