@@ -27,7 +27,8 @@ pub(super) struct Regions {
 impl Regions {
     /// Finds regions of points at or below `threshold` that are connected along sides. Regions smaller than
     /// `smallest_share` of the mean size are dropped; the mean is weighted with the number of points, so that specks
-    /// hardly change it.
+    /// hardly change it. A region at the map's sides has at least the size of the square of its length along them: most
+    /// of it may lie beyond, and a dropped sliver of a cavity would count as land.
     pub(super) fn find(
         height: &[f64],
         cols: usize,
@@ -60,11 +61,13 @@ impl Regions {
             };
         }
         let mut points = vec![0_usize; parent.len()];
-        for row in label.chunks_mut(cols) {
+        let mut at_sides = vec![0_usize; parent.len()];
+        for (i, row) in label.chunks_mut(cols).enumerate() {
             monitor.heed()?;
-            for label in row {
+            for (j, label) in row.iter_mut().enumerate() {
                 *label = root(&mut parent, *label);
                 points[*label as usize] += 1;
+                at_sides[*label as usize] += usize::from(i == 0 || i + 1 == rows || j == 0 || j + 1 == cols);
             }
         }
         points[0] = 0;
@@ -74,8 +77,8 @@ impl Regions {
         let least = (smallest_share * mean).max(1.0);
         let mut new = vec![0_u32; parent.len()];
         let mut kept = vec![0];
-        for (old, &count) in points.iter().enumerate() {
-            if count as f64 >= least {
+        for (old, (&count, at_sides)) in points.iter().zip(at_sides).enumerate() {
+            if count > 0 && (count as f64).max((at_sides as f64).powi(2)) >= least {
                 new[old] = kept.len() as u32;
                 kept.push(count);
             }
@@ -193,6 +196,14 @@ mod tests {
         assert_eq!((regions.label[2], regions.label[6], regions.label[27]), (1, 0, 2));
         assert_eq!(Regions::find(&heights, cols, 0.0, 0.0, &Unwatched).unwrap().count(), 3);
         assert_eq!(Regions::find(&heights, cols, -2.0, 0.5, &Unwatched).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn slivers_of_regions_at_the_sides_stay_and_specks_there_are_dropped() {
+        let (heights, cols) =
+            grid(&["#..####..#", "..........", "..####....", "..####...#", "..####....", "..####...."]);
+        let regions = Regions::find(&heights, cols, 0.0, 0.5, &Unwatched).unwrap();
+        assert_eq!(regions.points, [0, 4, 16]);
     }
 
     #[test]

@@ -102,7 +102,8 @@ impl Found {
         let chords = both(&|_| land.threshold_m)?;
         // Each cavity has its own half depth.
         let along = Along::gather(&chords, regions.count());
-        let (floors, middle) = floors(&regions, &chords, &along, bare_m.unwrap_or(&land.height_m), monitor)?;
+        let (floors, middle) =
+            floors(&regions, &chords, &along, bare_m.unwrap_or(&land.height_m), land.threshold_m, monitor)?;
         let chords = both(&|region| {
             floors[region as usize].map_or(land.threshold_m, |floor| floor.land_m - 0.5 * floor.depth_m)
         })?;
@@ -273,13 +274,14 @@ pub(super) struct Floor {
     pub(super) depth_m: f64,
 }
 
-/// Computes the adjacent land and the depth of the middle third of each region from measured points; also returns which
-/// points are in middle thirds.
+/// Computes the adjacent land, of points above `threshold_m`, and the depth of the middle third of each region from
+/// measured points; also returns which points are in middle thirds.
 fn floors(
     regions: &Regions,
     chords: &[Vec<Chord>; 2],
     along: &[Vec<Along>; 2],
     height_m: &[f64],
+    threshold_m: f64,
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Option<Floor>>, Vec<bool>), Cancelled> {
     let cols = regions.cols;
@@ -315,7 +317,11 @@ fn floors(
             for (side, [first, last]) in [[first, from - margin], [to + margin, last]].into_iter().enumerate() {
                 // The casts saturate at zero.
                 for k in first.ceil() as usize..(last.floor() + 1.0).max(0.0) as usize {
-                    sides[2 * axis + side].add(height_m[at(k.min(length - 1))]);
+                    let height_m = height_m[at(k.min(length - 1))];
+                    // Lower points are specks and the smallest slivers of cavities at the map's sides.
+                    if height_m > threshold_m {
+                        sides[2 * axis + side].add(height_m);
+                    }
                 }
             }
         }
