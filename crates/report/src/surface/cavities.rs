@@ -4,7 +4,7 @@ use serde::{Serialize, Serializer};
 use serde_json::json;
 use slipgrid_base::units::{LENGTH_UM, significant, tidy};
 use slipgrid_design::results::{Table, fixed};
-use slipgrid_surface::topography::{CavityMetrology, Estimate, RimMetrology, Spread};
+use slipgrid_surface::topography::{CavityMetrology, Estimate, RimMetrology, RimUnknown, Spread};
 
 use crate::ChartError;
 use crate::charts;
@@ -171,7 +171,16 @@ impl Cavities {
 
     /// Warnings that measured lengths may differ from the lengths of the pattern.
     fn warnings(&self) -> impl Iterator<Item = String> {
-        self.unit_warning().into_iter().chain(self.spacing_warnings())
+        self.unit_warning().into_iter().chain(self.depth_warning()).chain(self.spacing_warnings())
+    }
+
+    /// Warns that depths include rims; `None` if the rims are known or too small to matter.
+    fn depth_warning(&self) -> Option<String> {
+        let is_unknown = matches!(self.0.rim.unknown, Some(RimUnknown::NoLand | RimUnknown::Misfit));
+        (is_unknown && self.0.depth.is_some()).then(|| {
+            "depths count from what lies a third of a width to a width beside the cavities, which is not known to be land: rims              there, whose height is not known, make them too great"
+                .to_owned()
+        })
     }
 
     /// Warnings that measured spacings may differ from the spacings of the pattern.
@@ -202,7 +211,12 @@ impl Cavities {
         let rim = match (rim.profile, rim.height_m) {
             (Some(profile), _) => format!("the rim's profile is {profile}"),
             (None, Some(_)) => "no rim stands out from the roughness".to_owned(),
-            (None, None) => "rims cannot be measured: too little land or edge, or too few pixels across".to_owned(),
+            (None, None) => match rim.unknown {
+                Some(RimUnknown::NoLand) => "the height of the rims is not known: they leave no land between them",
+                Some(RimUnknown::Misfit) => "the height of the rims is not known: the mean profile is that of no rim",
+                _ => "rims cannot be measured: too little land or edge, or too few pixels across",
+            }
+            .to_owned(),
         };
         let wall = match (self.0.wall_angle_deg, self.0.wall_resolved_deg) {
             (Some(angle), Some(resolved)) if angle.value >= resolved => {

@@ -59,7 +59,7 @@ mod write;
 
 pub use cavities::{
     Arrangement, Cavity, CavityMetrology, Crossing, CutCavity, CutPattern, CutRim, CutShape, EdgeHeight, Estimate,
-    MeanPeriod, RimMetrology, RimProfile, Spread, StaggeredRows,
+    MeanPeriod, RimMetrology, RimProfile, RimUnknown, Spread, StaggeredRows,
 };
 pub use despike::{Spike, Spikes};
 pub use error::{MapError, MapOption, NotGiven, ReadError};

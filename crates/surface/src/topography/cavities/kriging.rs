@@ -140,6 +140,17 @@ impl Kriging {
         (product / shape.square, product * product / shape.square)
     }
 
+    /// Root mean square deviation of the whitened profile `ready`, a mean of `count` profiles, from level, slope and
+    /// `shape`, in standard errors.
+    pub(super) fn misfit(&self, shape: &Shape, ready: &[f64], count: usize) -> f64 {
+        let mut rest = ready.to_vec();
+        self.strip(&mut rest);
+        let (_, gain) = self.height(shape, ready);
+        // Level, slope, height and width are fitted.
+        let freedom = ready.len().saturating_sub(4).max(1) as f64;
+        (count as f64 * (dot(&rest, &rest) - gain).max(0.0) / freedom).sqrt()
+    }
+
     /// Weights a with which a profile z has the height h = sum of a z.
     pub(super) fn weights(&self, shape: &Shape) -> Vec<f64> {
         // L^T a = f/(f f)

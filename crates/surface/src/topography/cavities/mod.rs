@@ -51,7 +51,7 @@ pub use crossing::Crossing;
 pub use cut::{CutCavity, CutPattern, CutRim, CutShape};
 pub use grid::StaggeredRows;
 pub use period::{Arrangement, MeanPeriod};
-pub use rims::{EdgeHeight, RimMetrology};
+pub use rims::{EdgeHeight, RimMetrology, RimUnknown};
 pub use slipgrid_model::pattern::RimProfile;
 
 use crate::topography::form::Form;

@@ -165,6 +165,7 @@ fn a_rim_that_the_pixels_do_not_resolve_has_no_height() {
     let (map, _) = measured(&CutPattern { rim: rim(1.0, 4.0, RimProfile::Round, 0.0), ..PATTERN }, 70);
     let rim = map.measure_cavities(Form::Plane, &Unwatched).unwrap().rim;
     assert_eq!((rim.height_m, rim.width_m, rim.share_of_edge), (None, None, None));
+    assert_eq!(rim.unknown, Some(RimUnknown::TooSmall));
     assert!(rim.edge_profile.len() > 20 && rim.edge_profile[0].height_m > 0.05e-6);
 }
 
@@ -237,4 +238,36 @@ fn the_top_of_a_wall_is_found_however_many_pixels_the_wall_spans() {
             assert!((found.depth.unwrap().mean_m - 7.92e-6).abs() < 0.01e-6, "{what}: {:?}", found.depth);
         }
     }
+}
+
+#[test]
+fn rims_that_leave_no_land_have_no_height() {
+    for (seed, width_um) in (90..).zip([60.0, 65.0, 70.0]) {
+        for profile in [RimProfile::Round, RimProfile::HalfSine] {
+            let mut map = SelfAffine { side_m: 1.024e-3, seed, ..SelfAffine::STAND_IN }.map().unwrap();
+            let rim = rim(1.5, width_um, profile, 0.0);
+            map.cut_cavities(&CutPattern { width_m: 100e-6, spacing_m: 150e-6, depth_m: 8e-6, rim, ..GROOVES })
+                .unwrap();
+            let rim = map.measure_cavities(Form::Plane, &Unwatched).unwrap().rim;
+            assert_eq!((rim.height_m, rim.width_m, rim.unknown), (None, None, Some(RimUnknown::NoLand)), "{width_um}");
+        }
+    }
+}
+
+#[test]
+fn a_relief_that_is_no_rim_has_no_height_of_one() {
+    let mut map = SelfAffine { side_m: 1.024e-3, ..SelfAffine::STAND_IN }.map().unwrap();
+    map.cut_cavities(&CutPattern { width_m: 60e-6, spacing_m: 140e-6, ..GROOVES }).unwrap();
+    // A step up of 1 um next to the cavity, and a trough of 1 um behind.
+    let map = map.changed(|n, height_m| {
+        let beyond_um = (2.0 * (n / 512) as f64 + 1.0).rem_euclid(200.0);
+        match (beyond_um - 100.0).abs() - 30.0 {
+            0.0..15.0 => height_m + 1e-6,
+            15.0..30.0 => height_m - 1e-6,
+            _ => height_m,
+        }
+    });
+    let rim = map.measure_cavities(Form::Plane, &Unwatched).unwrap().rim;
+    assert_eq!((rim.height_m, rim.unknown), (None, Some(RimUnknown::Misfit)), "{:?}", rim.width_m);
+    assert!(!rim.edge_profile.is_empty());
 }

@@ -39,13 +39,17 @@ const MIN_WIDTH: f64 = 2.0;
 /// Minimum width of a rim whose height is reported, in bins; for narrower rims only the product of height and width is
 /// determined.
 const MIN_TOLD_WIDTH: f64 = 4.0;
-/// Maximum width of a rim over the reach of the profile; relief that continues to the profile's end is land.
+/// Maximum width of a rim over the reach of the profile. Wider rims, up to the profile's end, are searched to find that
+/// no land is left beyond the rims.
 const MAX_WIDTH: f64 = 0.75;
 /// Step of the trial widths, in bins.
 const WIDTH_STEP: f64 = 0.25;
 /// Deviation of real rims, blurred by edges and pixels, from the fitted profiles, relative to the range of heights of
 /// the mean profile.
 const MODEL_ERROR: f64 = 0.02;
+/// Maximum root mean square deviation of the mean profile from the fitted rim, in standard errors that include
+/// [`MODEL_ERROR`]: rims of all profiles, 0.1 to 3 um high on rough maps with holes, have up to 1.
+const MAX_MISFIT: f64 = 3.0;
 /// Width at which the height of an undetected rim is fitted, relative to the mean width of the cavities.
 const NOMINAL_WIDTH: f64 = 0.1;
 /// Number of bootstrap draws.
@@ -64,6 +68,18 @@ pub struct EdgeHeight {
     pub error_m: f64,
 }
 
+/// Reason why the height of rims is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RimUnknown {
+    /// The profile is too short for a rim and adjacent land, there are fewer than four edge segments, or the rim is
+    /// narrower than four pixels.
+    TooSmall,
+    /// Rims extend so far that no land is left beyond them.
+    NoLand,
+    /// The mean profile deviates from every rim by many of its errors.
+    Misfit,
+}
+
 /// Rims of all cavities.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RimMetrology {
@@ -71,9 +87,10 @@ pub struct RimMetrology {
     /// without a rim.
     ///
     /// If no rim is significant (below 4 standard errors), the value is the mean relief of a hypothetical round rim a
-    /// tenth of a cavity wide, which may be negative. `None` if the profile is too short for a rim and adjacent land,
-    /// if there are fewer than four edge segments, or if the rim is narrower than four pixels.
+    /// tenth of a cavity wide, which may be negative. `None` for the reason `unknown`.
     pub height_m: Option<Estimate>,
+    /// Reason why the height is not known; `None` if it is.
+    pub unknown: Option<RimUnknown>,
     /// Standard deviation of the heights from cavity to cavity, in metres, with sampling noise subtracted; `None`
     /// without a rim and for a single cavity.
     pub height_std_m: Option<Estimate>,
@@ -314,6 +331,7 @@ pub(super) fn measure(
             .collect()
     };
     let nothing = RimMetrology {
+        unknown: Some(RimUnknown::TooSmall),
         start_m: scene.start_m,
         edge_profile: edge_profile(profile.mean_m.last().copied().unwrap_or(0.0)),
         ..RimMetrology::default()
@@ -341,6 +359,7 @@ pub(super) fn measure(
         let error_m = Heights::new(&profile.stretches, &fit.kriging.weights(&shape), height_m).error_m();
         let none = RimMetrology {
             height_m: Some(Estimate { value: height_m, error: Some(error_m) }),
+            unknown: None,
             share_of_edge: Some(Estimate { value: 0.0, error: None }),
             edge_profile: edge_profile(level_m(&values, height_m)),
             ..nothing
@@ -349,13 +368,22 @@ pub(super) fn measure(
     }
     let values = fit.values(scene, &profile, best.profile, best.width_m);
     let edge_profile = edge_profile(level_m(&values, height_m));
-    if best.width_m < (MIN_TOLD_WIDTH - 0.5 * WIDTH_STEP) * scene.bin_m() {
-        return Ok((RimMetrology { edge_profile, ..nothing }, BTreeMap::new()));
+    let unknown = if best.width_m > fit.most_width_m {
+        Some(RimUnknown::NoLand)
+    } else if best.width_m < (MIN_TOLD_WIDTH - 0.5 * WIDTH_STEP) * scene.bin_m() {
+        Some(RimUnknown::TooSmall)
+    } else {
+        let misfit = fit.kriging.misfit(&best.shape, &ready, profile.stretches.len());
+        (misfit > MAX_MISFIT).then_some(RimUnknown::Misfit)
+    };
+    if unknown.is_some() {
+        return Ok((RimMetrology { unknown, edge_profile, ..nothing }, BTreeMap::new()));
     }
     let [height_error_m, width_error_m] = bootstrap(&profile, &fit, monitor)?;
     let error_m = height_error_m.max(heights.error_m()).hypot(MODEL_ERROR * height_m);
     let found = RimMetrology {
         height_m: Some(Estimate { value: height_m, error: Some(error_m) }),
+        unknown: None,
         height_std_m: heights.std_m(),
         side_std_m: heights.side_std_m(),
         width_m: Some(Estimate { value: best.width_m, error: Some(width_error_m.max(WIDTH_STEP * scene.bin_m())) }),
@@ -378,7 +406,8 @@ impl Fit {
     fn new(scene: &Scene<'_>, profile: &Profile) -> Option<Self> {
         let last_m = *profile.distance_m.last()?;
         let bin_m = scene.bin_m();
-        let most_width_m = MAX_WIDTH * (last_m - scene.start_m);
+        let land_m = last_m - scene.start_m;
+        let most_width_m = MAX_WIDTH * land_m;
         if most_width_m <= MIN_WIDTH * bin_m {
             return None;
         }
@@ -390,7 +419,7 @@ impl Fit {
         let variogram = Variogram::fit(&profile.semivariances());
         let kriging = Kriging::new(variogram, &profile.bins, extra)?;
         let mut fit = Self { kriging, candidates: Vec::new(), most_width_m };
-        let widths = ((most_width_m / bin_m - MIN_WIDTH) / WIDTH_STEP) as usize;
+        let widths = ((land_m / bin_m - MIN_WIDTH) / WIDTH_STEP) as usize;
         for shape in RimProfile::ALL {
             for step in 0..=widths {
                 let width_m = (MIN_WIDTH + step as f64 * WIDTH_STEP) * bin_m;
