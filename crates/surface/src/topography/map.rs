@@ -8,7 +8,9 @@ pub const MAX_POINTS: usize = 1 << 28;
 /// Range of pixel sides, in metres: wide enough for any surface, narrow enough that squares of slopes stay finite.
 const PIXEL_RANGE_M: std::ops::RangeInclusive<f64> = 1e-13..=1e3;
 /// Largest magnitude of a height, in metres.
-const MAX_HEIGHT_M: f64 = 1e3;
+pub(crate) const MAX_HEIGHT_M: f64 = 1e3;
+/// Name of a height in errors.
+pub(crate) const HEIGHT: &str = "height";
 
 /// Heights on a regular grid: `rows` along x, `cols` along y, row by row, NaN where missing.
 ///
@@ -80,7 +82,7 @@ impl HeightMap {
             return Err(MapError::WrongLength { rows, cols, found: height_m.len() });
         }
         if let Some(&value) = height_m.iter().find(|height| height.abs() > MAX_HEIGHT_M) {
-            return Err(MapError::OutOfRange { quantity: "height", value, expected: "a height within 1e3 m, or NaN" });
+            return Err(MapError::OutOfRange { quantity: HEIGHT, value, expected: "a height within 1e3 m, or NaN" });
         }
         if height_m.iter().all(|height| height.is_nan()) {
             return Err(MapError::NoHeights { points: height_m.len() });

@@ -2,7 +2,8 @@
 
 use std::io::{BufRead, Read};
 
-use crate::topography::ReadError;
+use crate::topography::map::{HEIGHT, MAX_HEIGHT_M};
+use crate::topography::{MapError, ReadError};
 
 /// Longest line, in bytes: fits a row of half a million heights of 30 characters.
 const MAX_LINE_BYTES: usize = 1 << 24;
@@ -137,6 +138,35 @@ pub(crate) fn excerpt(field: &str) -> String {
 /// Error for the `field` at `place`, counted from 0, on line number `line`, which is not what is `expected`.
 pub(crate) fn not_a_number(line: usize, place: usize, field: &str, expected: &'static str) -> ReadError {
     ReadError::NotANumber { line, column: place + 1, value: excerpt(field), expected }
+}
+
+/// The height of greatest magnitude in a text, as written, for a message.
+#[derive(Debug, Default)]
+pub(super) struct Greatest {
+    size: f64,
+    line: usize,
+    place: usize,
+    field: String,
+}
+
+impl Greatest {
+    /// Takes the height `value`, written as `field` at `place`, counted from 0, on line number `line`.
+    pub(super) fn take(&mut self, value: f64, line: usize, place: usize, field: &str) {
+        // In no unit are smaller heights refused.
+        if value.abs() > self.size.max(MAX_HEIGHT_M) {
+            *self = Self { size: value.abs(), line, place, field: field.to_owned() };
+        }
+    }
+
+    /// Adds the place of the height to an error for a height that is too great; returns any other error unchanged.
+    pub(super) fn named(&self, error: ReadError) -> ReadError {
+        match error {
+            ReadError::Map(MapError::OutOfRange { quantity: HEIGHT, expected, .. }) if self.line > 0 => {
+                not_a_number(self.line, self.place, &self.field, expected)
+            }
+            other => other,
+        }
+    }
 }
 
 /// Whether `field` holds several numbers, which means that commas delimit fields and are decimal commas too.

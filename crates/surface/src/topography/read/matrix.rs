@@ -3,7 +3,7 @@
 use std::io::BufRead;
 
 use super::header::Header;
-use super::lines::{Delimiter, Lines, expected_height, height, not_a_number};
+use super::lines::{Delimiter, Greatest, Lines, expected_height, height, not_a_number};
 use super::overridden::StatedValues;
 use super::scale::Scale;
 use super::tables::CoordinateListCheck;
@@ -37,6 +37,7 @@ pub(super) struct MatrixReader {
     cols: usize,
     last: LastField,
     row: Vec<f64>,
+    greatest: Greatest,
     window: Window,
     /// Checks whether the table is a list of coordinates; `None` if the table cannot be a list.
     listed: Option<CoordinateListCheck>,
@@ -91,7 +92,9 @@ impl MatrixReader {
         // A given format or number of columns decides.
         let is_open = options.format.is_none() && header.pixels[1].is_none();
         let listed = CoordinateListCheck::new(cols).filter(|_| is_open);
-        Ok(Self { delimiter, indent, cols, last, row, window, listed, unindented: None, unless_indented: None })
+        let greatest = Greatest::default();
+        let (unindented, unless_indented) = (None, None);
+        Ok(Self { delimiter, indent, cols, last, row, greatest, window, listed, unindented, unless_indented })
     }
 
     /// Whether `text`, which contains only tabs, is a row of missing points.
@@ -129,7 +132,9 @@ impl MatrixReader {
         let text = text.strip_prefix(&self.indent[..]).unwrap_or(text);
         for (n, field) in self.delimiter.all_fields(text).enumerate() {
             let value = height(field).ok_or_else(|| not_a_number(line, n, field, expected_height(field)))?;
-            self.row.push(value.unwrap_or(f64::NAN));
+            let value = value.unwrap_or(f64::NAN);
+            self.greatest.take(value, line, n, field);
+            self.row.push(value);
         }
         let ends = self.delimiter.ends(text);
         if self.last == LastField::Counted && self.row.len() == self.cols + 1 && ends {
@@ -268,7 +273,8 @@ impl MatrixReader {
         let (Some(scale), [Some(along_y_m), Some(along_x_m)]) = (scale, grid_m) else {
             return Err(ReadError::NotGiven { missing: Self::missing_quantities(grid_m, header, options) });
         };
-        self.window.finish_lines([along_y_m, along_x_m], |value| scale.to_metres(value))
+        let finished = self.window.finish_lines([along_y_m, along_x_m], |value| scale.to_metres(value));
+        finished.map_err(|error| self.greatest.named(error))
     }
 }
 

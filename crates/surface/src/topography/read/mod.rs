@@ -404,7 +404,10 @@ mod tests {
         assert!(refused("# only\n").contains("no data after 1 lines"));
         assert!(refused("1 2 3 4\n").contains("1 rows and 4 columns"));
         assert!(refused("nan nan nan nan\nnan nan nan nan\n").contains("all 8 points are missing"));
-        assert!(refused("1 2 3 1e99\n1 2 3 4\n").contains("height is"));
+        let great = refused("1 2 3 1e98\n1 2 1.0e99 4\n");
+        assert_eq!(great, "line 2, column 3: \"1.0e99\": expected a height within 1e3 m, or NaN");
+        let great = refused("0 0 1\n0 1 1\n1 0 1\n1 1 -1e30\n");
+        assert_eq!(great, "line 4, column 3: \"-1e30\": expected a height within 1e3 m, or NaN");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::ReadOptions;
 use super::header::Header;
-use super::lines::{Delimiter, expected_coordinate, expected_height, height, not_a_number, number};
+use super::lines::{Delimiter, Greatest, expected_coordinate, expected_height, height, not_a_number, number};
 use super::matrix::NO_HEIGHT_UNIT;
 use super::scale::Scale;
 use super::scan::Scan;
@@ -56,6 +56,7 @@ pub(super) struct XyzReader {
     scan: Scan,
     /// The points in any order; `None` as long as they are in scan order.
     any: Option<Vec<Point>>,
+    greatest: Greatest,
 }
 
 impl XyzReader {
@@ -71,12 +72,13 @@ impl XyzReader {
         };
         let coordinate =
             |place, field| number(field).ok_or_else(|| not_a_number(line, place, field, expected_coordinate(field)));
-        let z = height(z).ok_or_else(|| not_a_number(line, 2, z, expected_height(z)))?;
+        let (written, z) = (z, height(z).ok_or_else(|| not_a_number(line, 2, z, expected_height(z)))?);
         if self.count == MAX_POINTS {
             let points = self.count as f64 + 1.0;
             return Err(MapError::TooManyPoints { points, most: MAX_POINTS }.into());
         }
         let point = Point { x: coordinate(0, x)?, y: coordinate(1, y)?, z: z.unwrap_or(f64::NAN), line };
+        self.greatest.take(point.z, line, 2, written);
         self.count += 1;
         match &mut self.any {
             Some(points) => points.push(point),
@@ -109,11 +111,12 @@ impl XyzReader {
 
     /// The map of the points, with the scales of heights and of x and y.
     pub(super) fn grid(self, height_unit: Scale, [scale_x, scale_y]: [Scale; 2]) -> Result<HeightMap, ReadError> {
+        let Self { scan, any, greatest, .. } = self;
         let map = |[along_x, along_y]: [GridLines; 2], height_m| {
             let (dx_m, dy_m) = (scale_x.to_metres(along_x.step), scale_y.to_metres(along_y.step));
-            Ok(HeightMap::new(along_x.count as usize, along_y.count as usize, dx_m, dy_m, height_m)?)
+            let map = HeightMap::new(along_x.count as usize, along_y.count as usize, dx_m, dy_m, height_m);
+            map.map_err(|error| greatest.named(error.into()))
         };
-        let Self { scan, any, .. } = self;
         if any.is_none()
             && let Some((grid, height_m)) = from_scan(&scan, height_unit)
         {
