@@ -287,18 +287,22 @@ impl Header {
         let joined = text.replace(" [", "_").replace(" (", "_");
         let titles: Vec<&str> = Delimiter::of(&joined).fields(&joined).take(4).collect();
         let [x, y, z] = titles[..] else { return Ok(false) };
-        /// Rest of a title after its first word, if that word is one of `names`; otherwise `None`.
-        fn after_first_word<'a>(title: &'a str, names: &[&str]) -> Option<&'a str> {
-            let end = title.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(title.len());
-            names.iter().any(|name| title[..end].eq_ignore_ascii_case(name)).then_some(&title[end..])
-        }
-        let (Some(x), Some(y), Some(z)) =
-            (after_first_word(x, &["x"]), after_first_word(y, &["y"]), after_first_word(z, &["z", "height"]))
-        else {
+        // First word of each title, and the rest.
+        let parted = [x, y, z].map(|title| {
+            let (word, rest) = title.split_at(title.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(title.len()));
+            (word.to_ascii_lowercase().replace("height", "z"), rest)
+        });
+        let mut words: Vec<&str> = parted.iter().map(|(word, _)| &word[..]).collect();
+        let in_order = words == ["x", "y", "z"];
+        words.sort_unstable();
+        if words != ["x", "y", "z"] {
             return Ok(false);
-        };
+        }
+        if !in_order {
+            return Err(refused(line, "order of the columns", text, "x, y and z from left to right"));
+        }
         self.titled = true;
-        self.take_units([x, y, z], line)?;
+        self.take_units(parted.each_ref().map(|(_, rest)| *rest), line)?;
         Ok(true)
     }
 
@@ -415,6 +419,17 @@ mod tests {
         ] {
             let message = header(&["# File Format = ASCII", text]).unwrap_err().to_string();
             assert!(message.starts_with("line 2: ") && message.contains(needle), "{message}");
+        }
+    }
+
+    #[test]
+    fn titles_in_another_order_than_x_y_z_are_refused_with_the_order() {
+        for titles in ["Z [nm],X [um],Y [um]", "y x z", "x,height,y"] {
+            let said = plainly::refused(format!("{titles}\n1,2,3\n"));
+            assert_eq!(
+                said,
+                format!("line 1: order of the columns is \"{titles}\": expected x, y and z from left to right")
+            );
         }
     }
 
