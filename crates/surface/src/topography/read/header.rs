@@ -43,6 +43,8 @@ pub(crate) struct Header {
     ambiguous: Vec<(String, usize, ReadError)>,
     /// Unused lines that state a unit or a scale: line number and text.
     unused: Vec<(usize, String)>,
+    /// Words whose values are used, their values, and line numbers.
+    stated: Vec<(String, String, usize)>,
 }
 
 impl Header {
@@ -86,28 +88,44 @@ impl Header {
 
     fn entry(&mut self, text: &str, line: usize) -> Result<(), ReadError> {
         let Some((word, value)) = entry(text) else { return Ok(()) };
-        let spip = word.to_ascii_lowercase();
-        if spip == "file format" {
-            self.spip = value.eq_ignore_ascii_case("ascii");
-        } else if self.spip && self.spip_entry(&spip, &value, line)? {
-            return Ok(());
-        }
         // `Width [um]: 640` and `height conversion factor (-> m)=6.3e-8` give the unit next to the word.
         let (word, value) = match word.strip_suffix([')', ']']).and_then(|word| word.rsplit_once(['(', '['])) {
             Some((word, unit)) => (word.trim(), format!("{value} {}", unit.trim_start_matches("->").trim())),
             None => (word, value),
         };
+        self.compare_stated(word, &value, line)?;
+        let spip = word.to_ascii_lowercase();
+        if spip == "file format" {
+            self.spip = value.eq_ignore_ascii_case("ascii");
+        } else if self.spip && self.spip_entry(&spip, &value, line)? {
+            self.stated.push((word.to_owned(), value, line));
+            return Ok(());
+        }
         let Some(key) = Key::of(word) else {
             if states_scale(word, &value, Scale::parse(&value).is_some()) {
                 self.record_unused(text, line);
             }
             return Ok(());
         };
-        self.set(key, word, &value, line).map(|is_used| {
-            if !is_used {
-                self.record_unused(text, line);
-            }
-        })
+        if self.set(key, word, &value, line)? {
+            self.stated.push((word.to_owned(), value, line));
+        } else {
+            self.record_unused(text, line);
+        }
+        Ok(())
+    }
+
+    /// Refuses a word that an earlier line states with another value: which of both holds is not known.
+    fn compare_stated(&self, word: &str, value: &str, line: usize) -> Result<(), ReadError> {
+        match self.stated.iter().find(|(known, ..)| known.eq_ignore_ascii_case(word)) {
+            Some((_, earlier, earlier_line)) if earlier != value => Err(ReadError::Refused(format!(
+                "line {line}: {} is \"{}\", and was \"{}\" on line {earlier_line}: expected one value",
+                excerpt(word),
+                excerpt(value),
+                excerpt(earlier)
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// Stores the value of `key`, written as `word`; returns whether the entry was used.
@@ -372,7 +390,7 @@ pub(super) fn begins_with_a_word(text: &str) -> bool {
 mod tests {
     use super::super::{GIVEN, plainly};
     use super::*;
-    use crate::topography::{MapFormat, read_map};
+    use crate::topography::{MapFormat, ReadOptions, read_map};
 
     fn header(lines: &[&str]) -> Result<Header, ReadError> {
         let mut header = Header::default();
@@ -420,6 +438,31 @@ mod tests {
             let message = header(&["# File Format = ASCII", text]).unwrap_err().to_string();
             assert!(message.starts_with("line 2: ") && message.contains(needle), "{message}");
         }
+    }
+
+    #[test]
+    fn a_word_that_two_lines_state_with_other_values_is_refused_with_both_lines() {
+        let read = |lines: &str| read_map(format!("{lines}\n1 2\n3 4\n").as_bytes(), &ReadOptions::default());
+        let sides = "# Width: 2 um\n# Height: 2 um";
+        for (text, needle) in [
+            (
+                format!("{sides}\n# Value units: um\n# Width: 4 um"),
+                "line 4: Width is \"4 um\", and was \"2 um\" on line 1",
+            ),
+            (
+                format!("# Value units: um\n{sides}\n# value units: nm"),
+                "line 4: value units is \"nm\", and was \"um\" on line 1",
+            ),
+            (format!("{sides}\n# Height [nm]: 2"), "line 3: Height is \"2 nm\", and was \"2 um\" on line 2"),
+        ] {
+            let said = read(&text).unwrap_err().to_string();
+            assert!(said.starts_with(needle) && said.ends_with("expected one value"), "{said}");
+        }
+        assert!(read(&format!("{sides}\n# Value units: um\n# Width: 2 um")).is_ok());
+        // What was not understood states nothing.
+        assert!(read("Width: 640\n# Width: 2 um\n# Height: 2 um\n# Value units: um").is_ok());
+        // Comments without a meaning may be repeated.
+        assert!(read(&format!("{sides}\n# Value units: um\n# Comment: a\n# Comment: b")).is_ok());
     }
 
     #[test]
