@@ -57,6 +57,75 @@ impl DecimalSign {
     }
 }
 
+/// Smallest number of values that show a comma within numbers to be decimal.
+///
+/// Columns of whole numbers beside each other hold the same heights: the chance that a value of unusual length stands in
+/// a first column is a half, and that all of twenty do 1e-6.
+const MIN_UNEQUAL: usize = 20;
+
+/// Finds numbers with decimal commas in a table whose fields commas delimit, too: `112,3,98,7` are two numbers, but four
+/// fields. Their decimals make every second column hold whole numbers without sign and with equally many digits, and
+/// their whole parts make the columns before them hold others.
+#[derive(Debug, Default)]
+pub(super) struct SplitNumbers {
+    /// Number of digits in every second column.
+    digits: Option<usize>,
+    /// Number of values of each pair of columns that show them to be parts of one number.
+    unequal: Vec<usize>,
+}
+
+impl SplitNumbers {
+    /// Takes a row of fields; returns whether the table may still hold split numbers.
+    pub(super) fn push<'t>(&mut self, mut fields: impl Iterator<Item = &'t str>) -> bool {
+        let is_whole = |field: &str| !field.is_empty() && field.bytes().all(|byte| byte.is_ascii_digit());
+        let mut pair = 0;
+        while let Some(whole) = fields.next() {
+            let Some(decimals) = fields.next().filter(|decimals| is_whole(decimals)) else { return false };
+            let digits = *self.digits.get_or_insert(decimals.len());
+            if decimals.len() != digits || !is_whole(whole.strip_prefix('-').unwrap_or(whole)) {
+                return false;
+            }
+            if self.unequal.len() == pair {
+                self.unequal.push(0);
+            }
+            // No program writes zeros before a whole number.
+            let has_zeros = digits > 1 && decimals.starts_with('0');
+            self.unequal[pair] += usize::from(whole.len() != digits || has_zeros);
+            pair += 1;
+        }
+        true
+    }
+
+    /// Refuses a table in which at least half of the pairs of columns have values that show split numbers.
+    pub(super) fn check(&self) -> Result<(), ReadError> {
+        let pairs = self.unequal.iter().filter(|count| **count > 0).count();
+        if self.unequal.iter().sum::<usize>() < MIN_UNEQUAL || 2 * pairs < self.unequal.len() {
+            return Ok(());
+        }
+        Err(ReadError::Refused(format!(
+            "every second of the {} columns has whole numbers of {} digits, as where commas both delimit numbers and are decimal \
+             (\"112,3,98,7\"): expected decimal points, or semicolons, tabs or blanks between the numbers",
+            2 * self.unequal.len(),
+            self.digits.unwrap_or_default()
+        )))
+    }
+}
+
+/// Names what stands in `own` in an error on a field of `read`, which is `own` with decimal points for commas.
+pub(super) fn as_written(error: ReadError, own: &str, read: &str) -> ReadError {
+    match error {
+        ReadError::NotANumber { line, column, value, expected } => {
+            let written = read.find(&value).and_then(|at| own.get(at..at + value.len())).unwrap_or(&value);
+            let expected = if written.matches(',').count() > 1 { ONE_COMMA } else { expected };
+            ReadError::NotANumber { line, column, value: written.to_owned(), expected }
+        }
+        other => other,
+    }
+}
+
+/// Expected text, for a message on a field with several commas.
+const ONE_COMMA: &str = "one decimal comma in a number, and semicolons, tabs or blanks between numbers";
+
 /// Whether `text` has at least two fields, all of which are heights or marks of missing points.
 pub(super) fn is_row(delimiter: Delimiter, text: &str) -> bool {
     delimiter.fields(text).all(|field| height(field).is_some()) && delimiter.fields(text).nth(1).is_some()
@@ -152,6 +221,46 @@ mod tests {
         let sides = "# Width: 0,5 mm\n# Height: 1,5 mm\n# Value units: um\n1,5;2,5\n1,5;2,5\n1,5;2,5\n1,5;2,5\n1,5;2,5\n1,5;2,5\n";
         let map = read_map(sides.as_bytes(), &ReadOptions::default()).unwrap().map;
         assert!((map.dx_m() - 0.25e-3).abs() < 1e-12 && (map.dy_m() - 0.25e-3).abs() < 1e-12);
+    }
+
+    /// Rows of `cols` heights, a wave about `mean` with one of 7 periods per row, written by `write`.
+    fn table(cols: usize, mean: f64, write: impl Fn(f64) -> String) -> String {
+        let height = |i: usize, j: usize| mean + 20.0 * libm::sin((i * i + 3 * j) as f64);
+        let row = |i: usize| (0..cols).map(|j| write(height(i, j))).collect::<Vec<_>>().join(",") + "\n";
+        (0..24).map(row).collect()
+    }
+
+    #[test]
+    fn decimal_commas_between_commas_are_refused_and_whole_numbers_are_not() {
+        let read = |text: &str| read_map(text.as_bytes(), &ReadOptions { lateral_unit: None, ..GIVEN });
+        let commas = |decimals: usize| move |height: f64| format!("{height:.decimals$}").replace('.', ",");
+        for text in [
+            table(8, 100.0, commas(1)),
+            table(8, 300.0, commas(1)),
+            table(8, 0.0, commas(1)),
+            table(16, 50.0, commas(2)),
+            table(9, 0.0, commas(3)),
+        ] {
+            let said = read(&text).unwrap_err().to_string();
+            assert!(said.contains("every second of the") && said.contains("semicolons, tabs or blanks"), "{said}");
+        }
+        let whole = |height: f64| format!("{height:.0}");
+        for mean in [0.0, 50.0, 100.0, 300.0, 1000.0] {
+            assert_eq!(read(&table(8, mean, whole)).unwrap().map.rows(), 8, "{mean}");
+        }
+        // A first column of other numbers, and single values below the others.
+        let text = table(8, 300.0, whole);
+        let lines = (1..).zip(text.lines());
+        let counted: String = lines.map(|(n, line)| format!("{n},{line},300\n")).collect();
+        assert!(read(&counted).is_ok());
+        assert!(read(&text.replacen("300", "7", 3)).is_ok());
+    }
+
+    #[test]
+    fn a_field_of_several_commas_is_quoted_as_written() {
+        let given = ReadOptions { decimal_comma: true, ..GIVEN };
+        let said = read_map("-0,101,-0,079\n0,1,0,2\n".as_bytes(), &given).unwrap_err().to_string();
+        assert!(said.starts_with("line 1, column 1: \"-0,101,-0,079\": expected one decimal comma"), "{said}");
     }
 
     #[test]

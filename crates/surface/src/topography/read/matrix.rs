@@ -2,6 +2,7 @@
 
 use std::io::BufRead;
 
+use super::comma::SplitNumbers;
 use super::header::Header;
 use super::lines::{Delimiter, Greatest, Lines, expected_height, height, not_a_number};
 use super::overridden::StatedValues;
@@ -41,6 +42,8 @@ pub(super) struct MatrixReader {
     window: Window,
     /// Checks whether the table is a list of coordinates; `None` if the table cannot be a list.
     listed: Option<CoordinateListCheck>,
+    /// Checks whether commas delimit numbers and are decimal, too; `None` if they cannot.
+    split: Option<SplitNumbers>,
     /// While all rows begin with the same tabs: a reader that takes these tabs as delimiters of empty fields instead of
     /// indentation.
     unindented: Option<Box<MatrixReader>>,
@@ -93,8 +96,9 @@ impl MatrixReader {
         let is_open = options.format.is_none() && header.pixels[1].is_none();
         let listed = CoordinateListCheck::new(cols).filter(|_| is_open);
         let greatest = Greatest::default();
+        let split = (delimiter == Delimiter::Comma && is_open).then(SplitNumbers::default);
         let (unindented, unless_indented) = (None, None);
-        Ok(Self { delimiter, indent, cols, last, row, greatest, window, listed, unindented, unless_indented })
+        Ok(Self { delimiter, indent, cols, last, row, greatest, window, listed, split, unindented, unless_indented })
     }
 
     /// Whether `text`, which contains only tabs, is a row of missing points.
@@ -154,6 +158,9 @@ impl MatrixReader {
         if let Some(listed) = &mut self.listed {
             listed.push(&self.row);
         }
+        if self.split.as_mut().is_some_and(|split| !split.push(self.delimiter.fields(text))) {
+            self.split = None;
+        }
         self.window.push(&self.row)
     }
 
@@ -178,6 +185,7 @@ impl MatrixReader {
         header: &Header,
     ) -> Result<usize, ReadError> {
         self.listed.as_ref().map_or(Ok(()), CoordinateListCheck::check)?;
+        self.split.as_ref().map_or(Ok(()), SplitNumbers::check)?;
         let mut rows = self.window.rows_seen();
         let shared = options.pixel_m.is_none() && header.shares_sides();
         let is_undecided = self.last == LastField::Open && self.window.takes_last_col();

@@ -222,7 +222,8 @@ fn read_table(source: impl BufRead, is_keyence: bool, options: &ReadOptions) -> 
         let Some(own) = lines.next_row()? else { break };
         let with_points = sign.with_points(own, line);
         text.has_decimal_commas = sign == DecimalSign::Found;
-        let more = with_points.and_then(|own| text.take(&own, line));
+        let more =
+            with_points.and_then(|read| text.take(&read, line).map_err(|error| comma::as_written(error, own, &read)));
         if !more.map_err(|error| text.with_all_that_is_missing(error))? {
             break;
         }
