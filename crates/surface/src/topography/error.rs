@@ -186,9 +186,10 @@ pub enum ReadError {
     },
     /// A matrix whose sides and counts give elongated pixels, mostly because rows are missing.
     #[error(
-        "{rows} rows and {cols} columns on the header's height of {} um and width of {} um make pixels of {} x {} um, as of a file that \
-         was cut short: expected all rows, or, where pixels are oblong, `# Rows: {rows}` in the header or the sides of a pixel by option",
-        um(sides_m[1]), um(sides_m[0]), um(sides_m[1] / *cols as f64), um(sides_m[0] / *rows as f64)
+        "{rows} rows and {cols} columns on the header's height of {} um and width of {} um make pixels of {} x {} um, as of {}, or, \
+         where pixels are oblong, `# Rows: {rows}` in the header or the sides of a pixel by option",
+        um(sides_m[0]), um(sides_m[1]), um(sides_m[1] / *cols as f64), um(sides_m[0] / *rows as f64),
+        cut(sides_m[0] / *rows as f64 > sides_m[1] / *cols as f64)
     )]
     Oblong {
         /// Sides given by the header, along y (across lines) and along x, in metres.
@@ -254,6 +255,15 @@ pub(crate) fn plain(value: f64) -> String {
         value.to_string()
     } else {
         format!("{value:e}")
+    }
+}
+
+/// Cause of oblong pixels, and what would be accepted in its place.
+const fn cut(is_short_of_rows: bool) -> &'static str {
+    if is_short_of_rows {
+        "a file that was cut short: expected all rows"
+    } else {
+        "lines that were cut short, or of a width that is not theirs: expected all columns"
     }
 }
 

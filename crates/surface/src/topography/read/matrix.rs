@@ -330,6 +330,11 @@ mod tests {
             assert!(said.contains(&format!("{rows} rows and 64 columns")) && said.contains("cut short"), "{said}");
         }
         assert!(refused(&text("128.0 um", "128.0 um", 24), &plain).unwrap().contains("pixels of 2 x 5.33333 um"));
+        let said = refused(&text("128.0 um", "64.0 um", 64), &plain).unwrap();
+        assert!(
+            said.contains("height of 64 um and width of 128 um make pixels of 2 x 1 um, as of lines that"),
+            "{said}"
+        );
         // A crop does not change this.
         let crop = Crop { first_row: 0, first_col: 0, rows: 8, cols: 8 };
         assert!(refused(&text("128.0 um", "128.0 um", 24), &ReadOptions { crop: Some(crop), ..plain }).is_some());
