@@ -42,6 +42,13 @@ pub fn number_in(cell: &str, separator: char) -> Option<f64> {
         .flatten()
 }
 
+/// Describes for messages how many values a row with `found` values below `titles` titles should have.
+pub fn expected_values(found: usize, titles: usize, separator: char) -> String {
+    let is_cut = separator == ',' && found > titles;
+    let commas = if is_cut { "; decimal commas need semicolons between the values" } else { "" };
+    format!("{titles}, as the header line{commas}")
+}
+
 /// A number as written in the file, with its position.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {

@@ -5,7 +5,7 @@
 //! where the clock restarts. Steps are numbered by a column or by lines such as `Step No. 2`; [`ExportOptions::step`]
 //! selects one step.
 
-use crate::cells::{DecimalSigns, cut, number_in, separator, unquoted};
+use crate::cells::{DecimalSigns, cut, expected_values, number_in, separator, unquoted};
 use crate::columns::{Channel, Column, Titles, columns};
 pub use crate::export_error::ExportError;
 use crate::layout::{Layout, Line, header, is_missing, no_header};
@@ -269,8 +269,9 @@ impl<'a> Reader<'a, '_> {
     fn read(&mut self, number: u32, cells: &[&str]) -> Result<(), ExportError> {
         let Some(layout) = &self.layout else { return Ok(()) };
         let width = layout.titles.len();
-        if cells.len() < width {
-            return Err(short_line(number, cells.len(), width));
+        // A decimal comma between commas shifts the values behind it. Instruments end rows with empty cells.
+        if cells.len() < width || cells[width..].iter().any(|cell| !cell.is_empty()) {
+            return Err(other_width(layout, number, cells.len()));
         }
         check_signs(layout, cells, number, &mut self.signs)?;
         let mut row = Row::default();
@@ -320,7 +321,7 @@ impl<'a> Reader<'a, '_> {
         let cells = cut(line, layout.separator);
         match layout.words_for_numbers(&cells) {
             Some((column, cell)) if is_long => ExportError::cell(number, column.name(), cell),
-            _ => short_line(number, cells.len(), layout.titles.len()),
+            _ => other_width(layout, number, cells.len()),
         }
     }
 
@@ -388,8 +389,9 @@ fn number_at(layout: &Layout<'_>, at: usize, cells: &[&str]) -> Option<f64> {
     layout.columns[at].as_ref().map(|column| column.to_si(number))
 }
 
-fn short_line(number: u32, found: usize, expected: usize) -> ExportError {
-    ExportError::at(Some(number), format!("has {found} values"), format!("{expected}, as the header line"))
+fn other_width(layout: &Layout<'_>, number: u32, found: usize) -> ExportError {
+    let expected = expected_values(found, layout.titles.len(), layout.separator);
+    ExportError::at(Some(number), format!("has {found} values"), expected)
 }
 
 /// Creates the error for a table without a sample; `rows` is the longest sequence of rows with missing numbers, `None`

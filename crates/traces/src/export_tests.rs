@@ -46,6 +46,24 @@ fn repeats_speed_and_humidity() {
 }
 
 #[test]
+fn values_without_a_title_are_refused_because_a_decimal_comma_shifts_the_others() {
+    for (text, found, titles) in [
+        ("time [s],COF\n0,1\n1,0,248\n", 3, 2),
+        ("time,Fz,Fx\n0,50,4\n1,50,12,5\n", 4, 3),
+        ("time,Fz,Fx,,\n0,50,4,,\n1,50,12,5,\n", 5, 3),
+    ] {
+        let refused = parsed(text).unwrap_err().to_string();
+        let expected = format!("{titles}, as the header line; decimal commas need semicolons between the values");
+        assert_eq!(refused, format!("line 3: has {found} values; expected {expected}"));
+    }
+    assert!(
+        parsed("time;Fz;Fx\n0;50;4\n1;50;4;7\n").unwrap_err().to_string().ends_with("expected 3, as the header line")
+    );
+    // Instruments end rows with empty cells.
+    assert_eq!(parsed("time,Fz,Fx\n0,50,4,,\n1,50,5,,\n").unwrap().repeats[0].channels.time_s, [0.0, 1.0]);
+}
+
+#[test]
 fn what_was_not_measured_is_left_out_and_counted() {
     let found = parsed("time,Tz,Fz,Temp\n0,1,2,20\n1,,2,20\n2,NaN,2,x\n3,1,2,\n").unwrap();
     let repeat = &found.repeats[0];

@@ -12,7 +12,7 @@ use crate::formats::{Document, Spanned};
 use slipgrid_base::units::{
     FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, WEIGHT, tidy,
 };
-use slipgrid_traces::cells::{DecimalSigns, cut, number_in, separator, unquoted};
+use slipgrid_traces::cells::{DecimalSigns, cut, expected_values, number_in, separator, unquoted};
 
 /// Column `order`, the rank of a measurement in the order of all measurements: any positive number that rises with
 /// time.
@@ -121,10 +121,11 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Placed>, Diagnostic> {
             cells.truncate(order.len());
         }
         if cells.len() != order.len() {
-            let commas = if separator == ',' { "; decimal commas need semicolons between the values" } else { "" };
-            let commas = if cells.len() > order.len() { commas } else { "" };
-            return Err(refuse(line, None, None, format!("has {} values", cells.len()))
-                .expected(format!("{}, as the header line{commas}", order.len())));
+            return Err(refuse(line, None, None, format!("has {} values", cells.len())).expected(expected_values(
+                cells.len(),
+                order.len(),
+                separator,
+            )));
         }
         let mut values = [None; COLUMNS.len()];
         for (&column, cell) in order.iter().zip(&cells) {
