@@ -25,6 +25,10 @@ const NOISE_STDERRS: f64 = 4.0;
 /// a constant offset. A load that rises linearly from zero gives 1.
 const MAX_HALF_DIFFERENCE: f64 = 0.25;
 
+/// Friction before touchdown counts as that of sliding if its quotient with the normal force differs from the one in the
+/// window by at most this factor: dry friction at a tenth and at the whole of a load differs by less.
+const MAX_FRICTION_RATIO: f64 = 2.0;
+
 /// Readings of the sensors before touchdown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorZero {
@@ -69,7 +73,8 @@ pub fn of_stated_load() -> TraceError {
 /// begins.
 ///
 /// # Errors
-/// [`TraceError`] if the span is invalid, has too few samples or is under load, or if friction is a coefficient.
+/// [`TraceError`] if the span is invalid, has too few samples, is under load or in sliding, or if friction is a
+/// coefficient.
 pub fn subtract(
     channels: &TraceChannels,
     time_s: &[f64],
@@ -112,6 +117,12 @@ pub fn subtract(
              expected a zero_s before touchdown, while the head hangs free"
         )));
     }
+    if let Some(ratio) = friction_of_sliding(channels, &span, inside, &zero) {
+        return Err(TraceError::Refused(format!(
+            "in the zero from {from_s} to {to_s} s {zero} are read, a friction {ratio:.2} times that in the window: the sample slides \
+             under load; expected a zero_s before touchdown, while the head hangs free"
+        )));
+    }
     let subtract_from = |values: &[f64], zero: f64| values.iter().map(|value| value - zero).collect::<Vec<f64>>();
     let zeroed = TraceChannels {
         time_s: channels.time_s.clone(),
@@ -128,7 +139,8 @@ pub fn subtract(
 
 /// Finds a significant sensor offset in a trace that begins before touchdown, by a rule that is equal for all loads.
 /// The first half of the time before the force reaches half of the load is used; this span is halved until it holds no
-/// part of a slow loading. `None` without such an offset, or if only a coefficient was recorded.
+/// part of a slow loading. `None` without such an offset, if the
+/// sample slides there under a smaller load, or if only a coefficient was recorded.
 pub fn find_offset(channels: &TraceChannels, time_s: &[f64], inside: &Range<usize>) -> Option<SensorZero> {
     let channel = zero_channel(&channels.tangential)?;
     let usual = |values: &[f64]| median(values[inside.clone()].to_vec());
@@ -145,10 +157,31 @@ pub fn find_offset(channels: &TraceChannels, time_s: &[f64], inside: &Range<usiz
         found = is_all_free.then_some((free, zero));
         end /= 2;
     }
-    let (free, zero) = found?;
+    let (free, zero) = found.filter(|(free, zero)| friction_of_sliding(channels, free, inside, zero).is_none())?;
     let is_off = |values: &[f64], mean: f64| is_offset(&values[free.clone()], mean, usual(values));
     let tangential = channels.tangential.values();
     (is_off(&channels.normal_force_n, zero.force_n) || is_off(tangential, zero.tangential)).then_some(zero)
+}
+
+/// Friction in `span` over that in the window, whose samples are `inside`, if the sample slides under load in `span`:
+/// if the force there is no longer one before touchdown, and friction is in proportion to it; `None` otherwise.
+fn friction_of_sliding(
+    channels: &TraceChannels,
+    span: &Range<usize>,
+    inside: &Range<usize>,
+    zero: &SensorZero,
+) -> Option<f64> {
+    let load = zero.force_n / median(channels.normal_force_n[inside.clone()].to_vec());
+    // Back and forth the mean is zero: T = sqrt(mean of T^2 - noise^2)
+    let amount = |samples: &Range<usize>| {
+        let values = &channels.tangential.values()[samples.clone()];
+        let squares = values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64;
+        (squares - sample_noise(values).powi(2)).max(0.0).sqrt()
+    };
+    // mu_0 / mu = (T_0 / T) / (N_0 / N)
+    let ratio = amount(span) / amount(inside) / load;
+    let is_alike = (1.0 / MAX_FRICTION_RATIO..=MAX_FRICTION_RATIO).contains(&ratio);
+    (load >= TOUCHDOWN_FRACTION && is_alike).then_some(ratio)
 }
 
 /// Whether `values` with the mean `mean` show a constant offset, not a rise, that exceeds the noise and is not
@@ -282,6 +315,45 @@ mod tests {
             normal_force_n: late.normal_force_n.split_off(from),
         };
         assert_eq!(analyse(&late, &TraceOptions { window_s: [2.0, 30.0], ..OPTIONS }).unwrap().flags, []);
+    }
+
+    #[test]
+    fn a_smaller_load_under_which_the_sample_slides_is_no_zero() {
+        // 30 s at `first_n` with a friction of 0.3, then 50 N with 0.25; one way, and in strokes of a second.
+        let steps = |first_n: f64, stroke_s: Option<f64>| {
+            let mut channels = recorded(50.0, [0.0, 0.0]);
+            let mut noise = Noise::new(3);
+            let Tangential::ForceN(friction) = &mut channels.tangential else { panic!() };
+            for ((t, force), friction) in channels.time_s.iter().zip(&mut channels.normal_force_n).zip(friction) {
+                let (load_n, mu) = if *t < 15.0 { (first_n, 0.3) } else { (50.0, 0.25) };
+                let side = stroke_s.map_or(1.0, |stroke_s| if (t / stroke_s) % 2.0 < 1.0 { 1.0 } else { -1.0 });
+                *force = load_n + 0.05 * noise.normal();
+                *friction = side * mu * load_n + 0.05 * noise.normal();
+            }
+            channels
+        };
+        for first_n in [5.5, 20.0, 24.0] {
+            for stroke_s in [None, Some(0.5)] {
+                let channels = steps(first_n, stroke_s);
+                let options = TraceOptions {
+                    window_s: [20.0, 40.0],
+                    stroke_share: stroke_s.map(|_| 0.5),
+                    static_peak: false,
+                    ..OPTIONS
+                };
+                let found = analyse(&channels, &options).unwrap();
+                assert!((found.window.mu - 0.25).abs() < 1e-3, "{first_n}: {:?}", found.window);
+                assert_eq!(found.flags, [], "{first_n} {stroke_s:?}");
+                let refused = analyse(&channels, &TraceOptions { zero_s: Some([0.0, 14.0]), ..options }).unwrap_err();
+                let told = refused.to_string();
+                assert!(told.contains("the sample slides under load; expected a zero_s before"), "{first_n}: {told}");
+            }
+        }
+        // The weight of a free head is no sliding, and an offset of the friction sensor beside it neither.
+        for offset_n in [0.0, 1.0] {
+            let channels = recorded(50.0, [20.0, offset_n]);
+            assert!((with(&channels, [0.0, 3.5]).unwrap().window.mu - 0.25).abs() < 1e-3, "{offset_n}");
+        }
     }
 
     #[test]
