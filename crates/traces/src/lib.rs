@@ -55,6 +55,7 @@
 //! ```
 
 mod averaging_window;
+mod breaks;
 pub mod cells;
 mod channels;
 mod checks;
@@ -79,6 +80,7 @@ mod trace_errors;
 mod zero;
 
 pub use averaging_window::WindowMean;
+pub use breaks::Break;
 pub use lag::{Lag, friction_loops, lag_of_friction};
 pub use position::speed_of_position;
 pub use repeats::{MeanStd, OddRepeat, Repeats, average, moderate, odd_repeats};
@@ -294,7 +296,15 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
             100.0 * (window.drift / window.mu)
         )));
     }
-    if window.drift.abs() > (FLAGGED_DRIFT * window.mu).max(FLAGGED_DRIFT_STDERRS * window.drift_stderr) {
+    let in_window = samples_between(&time_s, options.window_s);
+    let broken = breaks::find_break(&mu[in_window.clone()]).map(|found| (time_s[in_window.start + found.at], found));
+    // A disturbed force disturbs friction as well.
+    let is_told =
+        |time_s: f64| flags.iter().any(|flag| matches!(flag, TraceFlag::Broken { time_s: at, .. } if *at == time_s));
+    let broken = broken.filter(|(time_s, _)| !is_told(*time_s));
+    if let Some((time_s, found)) = broken {
+        flags.push(TraceFlag::Broken { signal: "friction", unit: "", time_s, found });
+    } else if window.drift.abs() > (FLAGGED_DRIFT * window.mu).max(FLAGGED_DRIFT_STDERRS * window.drift_stderr) {
         flags.push(TraceFlag::Odd(format!(
             "friction drifts by {:+.1} +- {:.1} % over the window: the mean depends on when it is taken",
             100.0 * (window.drift / window.mu),
@@ -319,7 +329,6 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
             peak.missed
         )));
     }
-    let in_window = samples_between(&time_s, options.window_s);
     let swing = stick_slip::oscillation(&time_s[in_window.clone()], &mu[in_window], window.mu).filter(|_| one_way);
     let travel_m = |swing: &StickSlip| swing.period_s * options.speed_m_s;
     let is_elastic = |swing: &StickSlip| travel_m(swing) <= MAX_SLIP_M;

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use slipgrid_base::units::significant;
 
+use super::breaks::find_break;
 use super::time_series::median;
 use super::{Tangential, TraceChannels, TraceError, TraceFlag, TraceOptions, UNLOADED_FRACTION};
 
@@ -52,7 +53,14 @@ pub fn check_load(
         flags.push(TraceFlag::Odd("the normal force is recorded as negative and was turned".to_owned()));
     }
     let count = recorded.len() as f64;
-    let mean = recorded.iter().map(|force| sign * force).sum::<f64>() / count;
+    let broken = find_break(recorded);
+    if let Some(found) = broken {
+        let time_s = time_s[inside.start + found.at];
+        flags.push(TraceFlag::Broken { signal: "the normal force", unit: " N", time_s, found });
+    }
+    // A disturbed reading says nothing of the load.
+    let shift = broken.map_or(0.0, |found| sign * found.shift);
+    let mean = recorded.iter().map(|force| sign * force).sum::<f64>() / count - shift;
     if let Some(nominal_n) = options.nominal_force_n {
         let off = (mean / nominal_n - 1.0).abs();
         let likely = likely_cause(&channels.tangential, inside, mean, nominal_n);
@@ -70,7 +78,7 @@ pub fn check_load(
     }
     let variance = recorded.iter().map(|force| (sign * force - mean).powi(2)).sum::<f64>() / count;
     let relative_std = variance.sqrt() / mean;
-    if relative_std > MAX_LOAD_VARIATION {
+    if relative_std > MAX_LOAD_VARIATION && broken.is_none() {
         flags.push(TraceFlag::Odd(format!("the normal force varies by {:.1} % in the window", 100.0 * relative_std)));
     }
     Ok((median_n, turned))

@@ -12,6 +12,8 @@ pub struct Recorded {
     pub number: usize,
     /// Time, friction and normal force.
     pub channels: TraceChannels,
+    /// Line of every sample in the file, from 1.
+    pub lines: Vec<u32>,
     /// Friction coefficient computed by the instrument at every sample, next to a torque or friction force; NaN where
     /// it is missing, empty without such a column.
     pub coefficient: Vec<f64>,
@@ -32,6 +34,12 @@ pub struct Recorded {
 }
 
 impl Recorded {
+    /// Line, from 1, of the sample at `time_s`, in seconds since the trace begins; `None` if there is no such sample.
+    pub fn line_at(&self, time_s: f64) -> Option<u32> {
+        let sample = self.channels.time_s.iter().position(|t| t - self.channels.start_s == time_s)?;
+        self.lines.get(sample).copied()
+    }
+
     /// Median absolute value of the friction coefficient computed by the instrument, from `from_s` to `to_s`, in
     /// seconds since the trace begins; `None` without such values.
     pub fn usual_coefficient(&self, [from_s, to_s]: [f64; 2]) -> Option<f64> {
@@ -62,6 +70,8 @@ pub(crate) struct Table {
     /// Numbers of each channel, in SI units: absolute values of speeds, and NaN where a coefficient or a position is
     /// missing.
     values: [Vec<f64>; Channel::COUNT],
+    /// Line of every sample in the file, from 1.
+    lines: Vec<u32>,
     /// Time of the first row on the clock of the file, in seconds, even if the row lacks other numbers; `None` before
     /// any row with a time.
     start_s: Option<f64>,
@@ -109,6 +119,7 @@ impl Table {
             return;
         }
         self.last = Some(row.clone());
+        self.lines.push(number);
         for channel in Channel::ALL {
             let value = row.get(channel);
             self.values[channel as usize].extend(match channel {
@@ -146,6 +157,7 @@ impl Table {
         let (time_s, normal_force_n) = (of(Channel::Time), of(Channel::NormalForce));
         Recorded {
             number,
+            lines: self.lines,
             coefficient: where_recorded(coefficient),
             speed_m_s: mean(&of(Channel::Speed)).or(turning).filter(|speed| speed.is_finite()),
             humidity: mean(&of(Channel::Humidity)),

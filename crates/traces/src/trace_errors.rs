@@ -4,6 +4,7 @@ use std::fmt;
 
 use slipgrid_base::units::significant;
 
+use super::breaks::Break;
 use super::zero::SensorZero;
 
 /// Reason why a trace was refused. Times are seconds since the trace begins.
@@ -73,6 +74,17 @@ pub enum TraceFlag {
     },
     /// Friction of strokes there and back has the same sign, so that the sign was not recorded.
     SignNotRecorded,
+    /// A signal has a disturbed reading, or jumps, in the window.
+    Broken {
+        /// Name of the signal.
+        signal: &'static str,
+        /// Unit of the signal, after a space; empty for a coefficient.
+        unit: &'static str,
+        /// Time of the break, in seconds since the trace begins.
+        time_s: f64,
+        /// The break.
+        found: Break,
+    },
     /// Anything else; the text says what is odd.
     Odd(String),
 }
@@ -105,6 +117,22 @@ impl fmt::Display for TraceFlag {
             Self::SignNotRecorded => f.write_str(
                 "friction of strokes there and back is recorded alike: an offset of the sensor would not be seen",
             ),
+            Self::Broken { signal, unit, time_s, found } => {
+                let [before, after] = found.levels.map(|level| significant(level, 4));
+                match found.disturbed {
+                    Some(value) => write!(
+                        f,
+                        "{signal} is {}{unit} at {time_s:.2} s, beside {before}{unit}, which changes its mean by {}{unit}: a disturbed \
+                         reading?",
+                        significant(value, 4),
+                        significant(found.shift, 2)
+                    ),
+                    None => write!(
+                        f,
+                        "{signal} jumps from {before}{unit} to {after}{unit} at {time_s:.2} s: its mean depends on when it is taken"
+                    ),
+                }
+            }
             Self::Odd(text) => f.write_str(text),
         }
     }

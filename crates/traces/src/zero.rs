@@ -18,7 +18,7 @@ const MIN_ZERO_SAMPLES: usize = 5;
 const TOUCHDOWN_FRACTION: f64 = 0.1;
 /// Minimum sensor offset that is reported, relative to the reading in the window: half of the best accuracy of
 /// friction.
-const MIN_OFFSET: f64 = 0.002;
+pub(crate) const MIN_OFFSET: f64 = 0.002;
 /// Number of standard errors that a reported offset must also exceed.
 const NOISE_STDERRS: f64 = 4.0;
 /// Maximum difference between the mean readings in the two halves of the span, relative to the mean over the span, for

@@ -266,7 +266,7 @@ pub(crate) fn analyse_among(
             }
             match analyse(&repeat.channels, &options) {
                 Ok(findings) => {
-                    let mut flags: Vec<String> = findings.flags.iter().map(TraceFlag::to_string).collect();
+                    let mut flags: Vec<String> = findings.flags.iter().map(|flag| words_of(flag, repeat)).collect();
                     flags.extend(departures(condition, repeat, &findings, &file));
                     flags.extend_from_slice(&near_titles);
                     let mu = findings.window.mu;
@@ -274,9 +274,16 @@ pub(crate) fn analyse_among(
                         Ok(told) => flags.extend(told.map(|reason| format!("mu {mu:.4} {reason}"))),
                         Err(expected) => {
                             let reason = format!("{which}friction is {mu:.4} in the window, which cannot be");
-                            refused.push(Diagnostic::file(path, reason).expected(format!(
-                                "{expected}; the unit of a column stands in its name, as `torque_mnm`"
-                            )));
+                            let broken = findings.flags.iter().find(|flag| matches!(flag, TraceFlag::Broken { .. }));
+                            refused.push(match broken {
+                                Some(broken) => {
+                                    let reason = format!("{reason}: {}", words_of(broken, repeat));
+                                    Diagnostic::file(path, reason).expected("readings of friction and load alone")
+                                }
+                                None => Diagnostic::file(path, reason).expected(format!(
+                                    "{expected}; the unit of a column stands in its name, as `torque_mnm`"
+                                )),
+                            });
                             continue;
                         }
                     }
@@ -323,6 +330,15 @@ fn refuse_trace(path: &Path, which: &str, repeat: &Recorded, error: &TraceError,
         },
         None => Diagnostic::file(path, format!("{which}{error}")),
     }
+}
+
+/// Describes `flag` of `repeat`, with the line of the sample that it concerns.
+fn words_of(flag: &TraceFlag, repeat: &Recorded) -> String {
+    let line = match flag {
+        TraceFlag::Broken { time_s, .. } => repeat.line_at(*time_s),
+        _ => None,
+    };
+    format!("{flag}{}", line.map_or_else(String::new, |line| format!(" (line {line})")))
 }
 
 /// Describes how a repeat with the friction `mu` differs from the others; `first` is the label of the first of two

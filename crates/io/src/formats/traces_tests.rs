@@ -135,3 +135,22 @@ fn lines_that_end_with_carriage_returns_alone_are_lines() {
         [export.clone(), export.replace('\n', "\r")].map(|text| read(&text, "", &[(100, "")]).unwrap());
     assert_eq!(as_usual, returns);
 }
+
+#[test]
+fn a_disturbed_reading_is_named_with_its_line_and_one_that_spoils_friction_is_refused_by_it() {
+    let export = |reading: f64| {
+        let row = |t: f64, ripple: f64| {
+            let force_n = if (t - 5.0).abs() < 0.01 { reading } else { 2.1 * ripple };
+            format!("{t:.1};{force_n:.5};{:.3}", 10.0 * ripple)
+        };
+        "time;Fx [N];Fz [N]\n".to_owned() + &lines(101, row)
+    };
+    let said = notes_of(&export(30.0), "");
+    assert!(said.contains("friction is 3.013 at 5.00 s, beside 0.21, which changes"), "{said}");
+    assert!(said.ends_with("a disturbed reading? (line 52)") || said.contains("reading? (line 52)\n"), "{said}");
+    let refused = read(&export(1e12), "", &[(100, "")]).unwrap_err();
+    assert!(refused.contains("which cannot be: friction is ") && refused.contains("(line 52)"), "{refused}");
+    assert!(!refused.contains("torque"), "{refused}");
+    assert!(!notes_of(&export(2.1), "").contains("disturbed"));
+}
+
