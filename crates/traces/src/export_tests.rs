@@ -102,7 +102,7 @@ fn time_is_counted_from_the_first_row_even_where_it_lacks_a_number() {
     assert_eq!(missing, "240 of 1001 rows have no number in Fz from 0.00 to 11.95 s (lines 2 to 241)");
     assert!(found[1].flags.iter().any(|flag| flag.to_string().contains("no samples from 0.00 to 12.00 s")));
     let speed = |repeat: &Recorded, span_s: [f64; 2]| {
-        crate::speed_of_position(&repeat.channels.time_s, repeat.channels.start_s, &repeat.position_m, span_s, false)
+        crate::speed_of_position(&repeat.channels.time_s, repeat.channels.start_s, &repeat.position_m, span_s, None)
     };
     assert!(speed(&late, [13.0, 45.0]).is_some() && speed(&late, [0.0, 11.0]).is_none());
     // The file ends at 50 s; a window beyond its end is refused.

@@ -28,8 +28,7 @@ pub fn lag_of_friction(channels: &TraceChannels, position_m: &[f64], window_s: [
     let (time_s, inside) = recorded(channels, position_m, window_s)?;
     let friction = &channels.tangential.values()[inside.clone()];
     let (time_s, position) = (&time_s[inside.clone()], &position_m[inside]);
-    let turns: Vec<f64> =
-        crossings(time_s, position).windows(2).map(|pair| turning_time(time_s, position, pair[0], pair[1])).collect();
+    let turns = turning_times(time_s, position);
     let changes: Vec<f64> =
         crossings(time_s, friction).into_iter().map(|at| (time_s[at - 1] + time_s[at]) / 2.0).collect();
     if turns.len() < MIN_TURNS || changes.len() < MIN_TURNS {
@@ -89,6 +88,9 @@ fn crossings(time_s: &[f64], values: &[f64]) -> Vec<usize> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let quantile = |part: f64| sorted[((sorted.len() - 1) as f64 * part).round() as usize];
+    if values.is_empty() {
+        return Vec::new();
+    }
     let (low, high) = (quantile(0.05), quantile(0.95));
     let (middle, far) = ((low + high) / 2.0, (high - low) / 4.0);
     let (mut found, mut side, mut crossed) = (Vec::new(), None, 0);
@@ -105,6 +107,11 @@ fn crossings(time_s: &[f64], values: &[f64]) -> Vec<usize> {
         }
     }
     found
+}
+
+/// Times of the reversals of the position, in seconds.
+pub(crate) fn turning_times(time_s: &[f64], position: &[f64]) -> Vec<f64> {
+    crossings(time_s, position).windows(2).map(|pair| turning_time(time_s, position, pair[0], pair[1])).collect()
 }
 
 /// Time of a reversal, in seconds: the midpoint of the time that the position spends at the end of the stroke between

@@ -4,20 +4,23 @@ use std::ops::Range;
 
 use slipgrid_base::statistics::upper_median;
 
+/// Value at the time `t`, interpolated linearly between samples; outside the samples the nearest value.
+pub fn value_at(time_s: &[f64], values: &[f64], t: f64) -> f64 {
+    let next = time_s.partition_point(|&sample| sample <= t);
+    if next == 0 {
+        return values[0];
+    }
+    if next == time_s.len() {
+        return values[next - 1];
+    }
+    let share = (t - time_s[next - 1]) / (time_s[next] - time_s[next - 1]);
+    values[next - 1] + share * (values[next] - values[next - 1])
+}
+
 /// Mean of `values` over the time from `from` to `to`, interpolated linearly between samples. Outside the samples the
 /// nearest value is used.
 pub fn mean_between(time_s: &[f64], values: &[f64], from: f64, to: f64) -> f64 {
-    let at = |t: f64| {
-        let next = time_s.partition_point(|&sample| sample <= t);
-        if next == 0 {
-            return values[0];
-        }
-        if next == time_s.len() {
-            return values[next - 1];
-        }
-        let share = (t - time_s[next - 1]) / (time_s[next] - time_s[next - 1]);
-        values[next - 1] + share * (values[next] - values[next - 1])
-    };
+    let at = |t: f64| value_at(time_s, values, t);
     let inside = time_s.partition_point(|&t| t <= from)..time_s.partition_point(|&t| t < to);
     let (mut last, mut area) = ((from, at(from)), 0.0);
     for i in inside {

@@ -1,6 +1,6 @@
 //! Describes deviations of a trace from its condition, and unused columns of exports whose titles are similar to known ones.
 
-use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S};
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 use slipgrid_traces::columns::{Channel, Titles};
 use slipgrid_traces::export::{Recorded, TraceFile};
 use slipgrid_traces::{Tangential, TraceFindings, lag_of_friction, speed_of_position};
@@ -120,15 +120,19 @@ fn position_speed_off(condition: &TraceCondition, repeat: &Recorded) -> Option<S
         repeat.channels.start_s,
         &repeat.position_m,
         condition.window_s,
-        condition.stroke_share.is_some(),
+        condition.stroke_share,
     );
     // A nearly constant position is not the position along the path: it is the radius of a pin on a disc, or wear.
     let moved = moved.map(|speed| speed / condition.speed_m_s).filter(|ratio| *ratio > STILL);
     let ratio = moved.filter(|ratio| (ratio - 1.0).abs() > POSITION_OFF)?;
     let nominal = SPEED_MM_S.from_si(condition.speed_m_s);
     let found = ratio * nominal;
+    let place = condition.stroke_share.map_or_else(
+        || "in the window".to_owned(),
+        |share| format!("in the middle {} % of its strokes", tidy(100.0 * share)),
+    );
     Some(format!(
-        "the recorded position moves at {found:.3} mm/s in the window, not at the nominal {nominal}: speed, its unit or that of the \
+        "the recorded position moves at {found:.3} mm/s {place}, not at the nominal {nominal}: speed, its unit or that of the \
          position is wrong"
     ))
 }
