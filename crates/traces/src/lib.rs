@@ -91,7 +91,7 @@ pub use strokes::DEFAULT_STROKE_SHARE;
 pub use trace_errors::{TraceError, TraceFlag};
 pub use zero::SensorZero;
 
-use slipgrid_base::units::counted;
+use slipgrid_base::units::{counted, significant};
 
 use checks::{
     check_channels, check_saturation, correct_sign, find_gaps, no_friction, samples_between, sampling_interval,
@@ -320,7 +320,17 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     });
     let static_peak = before.and_then(|found| found.peak);
     if let Some(run_in) = before.and_then(|found| found.run_in) {
-        flags.push(TraceFlag::Odd(run_in.words(static_peak.is_some())));
+        flags.push(TraceFlag::Odd(run_in.words(static_peak.is_some(), options.speed_m_s)));
+    }
+    if let Some(highest) = before.and_then(|found| found.unresolved) {
+        flags.push(TraceFlag::Odd(format!(
+            "friction is highest, {:.4}, at {:.2} s and falls; with one sample every {} mm run-in and a static peak, which is over \
+             within {} mm, look alike: no static peak is taken",
+            highest.mu,
+            highest.time_s,
+            significant(1e3 * sampling_interval(&time_s) * options.speed_m_s, 2),
+            1e3 * static_peak::ONSET_SLIP_M
+        )));
     }
     if let Some(peak) = static_peak.filter(TracePeak::is_coarse) {
         flags.push(TraceFlag::Odd(format!(

@@ -6,7 +6,9 @@
 //! the window, which includes the correlation of the noise.
 
 use slipgrid_base::statistics::Confidence;
+use slipgrid_base::units::significant;
 
+use super::static_peak::ONSET_SLIP_M;
 use super::time_series::{line_through, mean_between};
 
 /// Maximum length of the first part: the smaller of these fractions of the time before the window and of the window's
@@ -25,31 +27,31 @@ const MIN_RELATIVE: f64 = 0.01;
 /// A slow change of friction before the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunIn {
-    /// Change of the friction coefficient from the first part after the onset to the settled friction; negative if
-    /// friction falls.
+    /// Change of the friction coefficient from the onset to the settled friction; negative if friction falls.
     pub change: f64,
     /// `change` as a fraction of the settled friction.
     pub relative: f64,
-    /// Middle of the first part after the onset, in seconds since the trace begins.
+    /// Onset, in seconds since the trace begins.
     pub from_s: f64,
     /// Time at which half of the change is over, in seconds since the trace begins.
     pub half_s: f64,
 }
 
 impl RunIn {
-    /// Describes the run-in; `peak` says whether a static peak comes before it.
-    pub fn words(&self, peak: bool) -> String {
+    /// Describes the run-in at `speed_m_s`; `peak` says whether a static peak comes before it.
+    pub fn words(&self, peak: bool, speed_m_s: f64) -> String {
+        let half_s = self.half_s - self.from_s;
         format!(
-            "friction {} by {:.4}, {:.0} %, after {:.2} s, half of it within {:.2} s: run-in{}",
+            "friction {} by {:.4}, {:.0} %, after {:.2} s, half of it within {half_s:.2} s or {} mm: run-in{}",
             if self.change < 0.0 { "falls" } else { "rises" },
             self.change.abs(),
             100.0 * self.relative.abs(),
             self.from_s,
-            self.half_s - self.from_s,
+            significant(1e3 * half_s * speed_m_s, 2),
             match (peak, self.change < 0.0) {
-                (true, _) => " behind a static peak",
-                (false, true) => ", no static peak",
-                (false, false) => "",
+                (true, _) => " behind a static peak".to_owned(),
+                (false, true) => format!(", no static peak, which is over within {} mm", 1e3 * ONSET_SLIP_M),
+                (false, false) => String::new(),
             }
         )
     }
@@ -86,17 +88,34 @@ pub fn find_run_in(time_s: &[f64], mu: &[f64], from_s: f64, window_s: [f64; 2], 
             shortest_s = Some(part_s);
         }
     }
-    let part_s = shortest_s?;
+    let mut part_s = shortest_s?;
+    // A mean over the first part misses the begin of a fast change: the part is halved as long as that adds to the
+    // change more than its scatter.
+    while part_s >= 2.0 * pause_s {
+        let half_s = part_s / 2.0;
+        let steady = parts(window_s[0], window_s[1], half_s);
+        let error = (2.0 * line_through(&steady).variance).sqrt();
+        let [whole, half] = [part_s, half_s].map(|part_s| (mean(from_s, from_s + part_s) - settled).abs());
+        if half - whole <= CONFIDENCE.student_t(steady.len() - 2) * error {
+            break;
+        }
+        part_s = half_s;
+    }
     let means = parts(from_s, window_s[0], part_s);
-    let change = settled - means.first()?;
+    let [first, second] = *means.first_chunk()?;
+    // The line through the means of the first two parts, at the onset.
+    let onset = first + (first - second) / 2.0;
+    let change = settled - onset;
     if change.abs() < MIN_RELATIVE * settled.abs() {
         return None;
     }
-    // Remaining fraction of the change, from 1 on.
-    let left: Vec<f64> = means.iter().map(|mean| (settled - mean) / change).collect();
-    let passed = left.iter().position(|left| *left <= 0.5).filter(|passed| *passed > 0)?;
-    let share = ((left[passed - 1] - 0.5) / (left[passed - 1] - left[passed])).clamp(0.0, 1.0);
-    let middle_s = from_s + part_s / 2.0;
-    let half_s = middle_s + part_s * ((passed - 1) as f64 + share);
-    Some(RunIn { change, relative: change / settled, from_s: middle_s, half_s })
+    // Remaining fraction of the change at the onset and in the middle of every part, with the time since the onset.
+    let middles =
+        means.iter().zip(0..).map(|(mean, part)| ((f64::from(part) + 0.5) * part_s, (settled - mean) / change));
+    let left: Vec<(f64, f64)> = std::iter::once((0.0, 1.0)).chain(middles).collect();
+    let passed = left.iter().position(|(_, left)| *left <= 0.5)?;
+    let (before, after) = (left[passed - 1], left[passed]);
+    let share = ((before.1 - 0.5) / (before.1 - after.1)).clamp(0.0, 1.0);
+    let half_s = from_s + before.0 + share * (after.0 - before.0);
+    Some(RunIn { change, relative: change / settled, from_s, half_s })
 }

@@ -3,13 +3,15 @@
 //! A static peak is over once the junctions that held it have slipped: within the memory distance of dry friction, a
 //! few to some tens of micrometres (Rabinowicz, Proc. Phys. Soc. 71, 668; Dieterich, J. Geophys. Res. 84, 2161). Run-in
 //! changes friction as well, but over millimetres to metres of sliding. To distinguish the two, the fall of friction
-//! within [`ONSET_SLIP_M`] after its highest value is compared with the fall within the next slip of equal length.
+//! within [`ONSET_SLIP_M`] after its highest value is compared with the fall within the next slip of equal length. This
+//! slip is the same at all sampling rates; a trace with fewer than two samples in it has no static peak, because run-in
+//! would look alike.
 //!
 //! A peak is looked for where friction rises to the level of sliding, and within one slip after this rise. Higher
 //! values later are noise: the highest value in seconds of sliding always stands out.
 
 use super::run_in::{RunIn, find_run_in};
-use super::time_series::{highest, median, median_of_three, sample_noise};
+use super::time_series::{highest, mean_between, median, median_of_three, sample_noise};
 
 /// Minimum height of a static peak, in standard deviations of the noise.
 const MIN_SIGNAL_TO_NOISE: f64 = 5.0;
@@ -18,17 +20,23 @@ const MIN_RELATIVE: f64 = 0.01;
 /// Friction after the peak must have fallen within this fraction of the time from the peak to the window.
 const SETTLING_FRACTION: f64 = 0.5;
 /// Slip within which a static peak is over, in metres: several times the memory distance of dry friction.
-const ONSET_SLIP_M: f64 = 100e-6;
-/// Minimum duration of the onset slip, in sampling intervals; a coarser trace cannot resolve it.
+pub(super) const ONSET_SLIP_M: f64 = 100e-6;
+/// Maximum sampling interval, in onset slips, of a trace that resolves them; above 1/2 by the rounding of clocks. With
+/// one sample per slip the phase of the samples decides: falls to 1/e within half a slip are missed.
+const MAX_INTERVAL: f64 = 0.505;
+/// Length of the slip in which a peak is looked for in coarser traces, in sampling intervals.
 const MIN_INTERVALS: f64 = 3.0;
 /// Minimum ratio of the fall within the onset slip to the fall within the next slip of equal length. A steady fall, as
-/// in run-in, has 1 to 1.5; an exponential fall has 4 if it reaches 1/e after 80 % of the slip.
+/// in run-in, has 1 to 1.5; an exponential fall has 4 if it reaches 1/e after 1.3 slips.
 const MIN_FALL_RATIO: f64 = 4.0;
 /// Minimum ratio of the peak's height to that of the highest similar peak during steady sliding, because correlated
 /// noise falls as fast.
 const MIN_HEIGHT_RATIO: f64 = 1.25;
 /// Length, in onset slips, of the intervals of steady sliding in each of which the highest value is looked for.
 const SLIPS_PER_PEAK: f64 = 3.0;
+/// Friction has not begun to fall where it is below the top by at most this many standard deviations of the noise:
+/// samples on both sides of the true top may be equal.
+const TOP_NOISE: f64 = 3.0;
 /// Minimum number of samples near the top; with fewer, sampling may have cut off the peak.
 const MIN_SAMPLES_AT_TOP: usize = 3;
 /// The specimen slides if friction exceeds this fraction of steady friction.
@@ -74,6 +82,9 @@ impl TracePeak {
 pub struct BeforeWindow {
     /// Static peak at the onset of sliding; `None` if no peak stands out.
     pub peak: Option<TracePeak>,
+    /// Highest friction at the onset of sliding where samples are too far apart to tell a static peak from run-in;
+    /// `None` if they are not, or if it does not stand out.
+    pub unresolved: Option<TracePeak>,
     /// Run-in after the onset; `None` if friction does not change significantly.
     pub run_in: Option<RunIn>,
 }
@@ -124,11 +135,15 @@ pub fn before_window(
         steady,
         window_start_s: window_s[0],
     };
-    let slip_s = (ONSET_SLIP_M / speed_m_s).max(MIN_INTERVALS * pause_s);
+    let is_resolved = pause_s <= MAX_INTERVAL * ONSET_SLIP_M / speed_m_s;
+    let slip_s = if is_resolved { ONSET_SLIP_M / speed_m_s } else { MIN_INTERVALS * pause_s };
     let Some(onset) = trace.onset(slip_s) else { return BeforeWindow::default() };
     // At rest the sensor may show no noise.
     trace.noise = sample_noise(&mu[onset.first..]);
     let peak = trace.peak(onset, slip_s);
+    if !is_resolved && peak.is_some() {
+        return BeforeWindow { unresolved: peak, ..BeforeWindow::default() };
+    }
     let end_s = time_s[onset.end];
     let found_from = |from_s: f64| find_run_in(time_s, mu, from_s, window_s, pause_s);
     let run_in = match peak {
@@ -138,7 +153,9 @@ pub fn before_window(
             .filter(|found| found.change < 0.0)
             .or_else(|| found_from(2.0 * end_s - time_s[onset.rest])),
     };
-    BeforeWindow { peak, run_in }
+    // Of a fall within a few coarse samples it is not known either.
+    let is_slow = |found: &RunIn| is_resolved || found.half_s - found.from_s >= slip_s;
+    BeforeWindow { peak, unresolved: None, run_in: run_in.filter(is_slow) }
 }
 
 impl UpToWindow<'_> {
@@ -197,13 +214,10 @@ impl UpToWindow<'_> {
         // Settled friction after the peak and before the window.
         let after = time_s.partition_point(|&t| t < time_s[top] + SETTLING_FRACTION * left_s).min(before - 1);
         let settled = median(mu[after..before].to_vec());
-        // Friction in the slip interval that begins `slips` after the top.
         let slip_s = slip_s.min(left_s / 3.0);
-        let level = |slips: f64| {
-            let at = |slips: f64| time_s.partition_point(|&t| t < time_s[top] + slips * slip_s).min(before - 1);
-            median(mu[at(slips)..=at(slips + 1.0)].to_vec())
-        };
-        let (next, later) = (level(1.0), level(2.0));
+        let at_top = values[top..to].iter().take_while(|own| value - **own <= TOP_NOISE * noise).count();
+        let falls_s = time_s[top + at_top.saturating_sub(1)];
+        let [next, later] = [1.0, 2.0].map(|slips| self.level_after(falls_s, slips * slip_s, slip_s));
         let height = value - next;
         let lowest = height.min(value - settled).min(value - self.steady);
         if !self.stands_out(lowest, settled) || height < MIN_FALL_RATIO * (next - later) {
@@ -231,6 +245,11 @@ impl UpToWindow<'_> {
         })
     }
 
+    /// Mean friction over `slip_s` seconds that begin `after_s` seconds after `top_s`.
+    fn level_after(&self, top_s: f64, after_s: f64, slip_s: f64) -> f64 {
+        mean_between(self.time_s, &self.smooth, top_s + after_s, top_s + after_s + slip_s)
+    }
+
     /// Maximum height of friction in the window above its level one to two onset slips (of `slip_s` seconds) later.
     fn highest_later(&self, slip_s: f64) -> f64 {
         let at = |time: f64| self.time_s.partition_point(|&t| t < time);
@@ -239,11 +258,10 @@ impl UpToWindow<'_> {
             let to = at(start_s + SLIPS_PER_PEAK * slip_s).max(from + 1);
             let top = highest(&self.smooth, from..to);
             let top_s = self.time_s[top];
-            let behind = at(top_s + slip_s)..(at(top_s + 2.0 * slip_s) + 1).min(self.mu.len());
-            if behind.is_empty() {
+            if self.time_s.last().is_none_or(|end_s| top_s + slip_s > *end_s) {
                 break;
             }
-            most = most.max(self.smooth[top] - median(self.mu[behind].to_vec()));
+            most = most.max(self.smooth[top] - self.level_after(top_s, slip_s, slip_s));
             from = to;
         }
         most
@@ -302,14 +320,14 @@ mod tests {
 
     #[test]
     fn noise_that_wanders_has_no_static_peak_and_hides_none_that_is_higher() {
-        // 20 mm/s, 100 samples per second, noise with correlation times of 0.05 to 0.5 s.
+        // 2 mm/s, 100 samples per second, noise with correlation times of 0.05 to 0.5 s.
         let time: Vec<f64> = (0..3000).map(|i| f64::from(i) * 0.01).collect();
         let (mut false_ones, mut found) = (0, 0);
         for seed in 0..200 {
             let noise = red_noise(&time, 0.008, 0.05 * 10_f64.powf(seed as f64 / 200.0), seed);
             let is_peak = |of: &dyn Fn(f64) -> f64| {
                 let mu: Vec<f64> = time.iter().zip(&noise).map(|(&t, noise)| of(t) + noise).collect();
-                before(&time, &mu, 8.0, 20e-3, 0.01).peak.is_some()
+                before(&time, &mu, 8.0, 2e-3, 0.01).peak.is_some()
             };
             false_ones += usize::from(is_peak(&|_| 0.25));
             found += usize::from(is_peak(&|t| 0.25 + 0.1 * (-t / 0.02_f64).exp()));
@@ -416,16 +434,54 @@ mod tests {
             };
             let slow = sample(&|t| rise(t) * run_in(t));
             let found = before(&time, &slow, 10.0, 2e-3, 0.01);
-            let BeforeWindow { peak: None, run_in: Some(slow) } = found else { panic!("{noise}: {found:?}") };
+            let BeforeWindow { peak: None, run_in: Some(slow), .. } = found else { panic!("{noise}: {found:?}") };
             assert!((slow.half_s - slow.from_s - 1.8).abs() < 0.6 && (-slow.change - 0.05).abs() < 0.015, "{slow:?}");
             // A static peak on top of this run-in falls within 20 um.
             let both = sample(&|t| rise(t) * (run_in(t) + 0.08 * (-(t - 0.2).max(0.0) / 0.01).exp()));
             let found = before(&time, &both, 10.0, 2e-3, 0.01);
-            let BeforeWindow { peak: Some(peak), run_in: Some(_) } = found else { panic!("{noise}: {found:?}") };
+            let BeforeWindow { peak: Some(peak), run_in: Some(_), .. } = found else { panic!("{noise}: {found:?}") };
             assert!((peak.mu - 0.38).abs() < 0.02 && (peak.time_s - 0.2).abs() < 0.06, "{peak:?}");
         }
         // At 2 um/s the same fall takes 8 um and is a static peak.
         let slow: Vec<f64> = time.iter().map(|&t| run_in(t)).collect();
         assert!(before(&time, &slow, 20.0, 2e-6, 0.01).peak.is_some());
+    }
+    #[test]
+    fn the_sampling_rate_makes_no_run_in_a_static_peak_and_no_other_fall_of_it() {
+        // 2 mm/s: friction rises within 0.05 s to 0.33 and falls to 0.25 with a decay of 40 or 80 um, or of 200 to 800 um.
+        for (decay_s, is_static) in [(0.02, true), (0.04, true), (0.1, false), (0.2, false), (0.4, false)] {
+            for pause_s in [0.002, 0.005, 0.02, 0.025, 0.05, 0.1, 0.2] {
+                for seed in 0..20_u8 {
+                    let mut noise = Noise::new(seed.into());
+                    let start_s = 3.0 + pause_s * f64::from(seed) / 20.0;
+                    let clean = |since_s: f64| match since_s {
+                        ..0.0 => 0.0,
+                        0.0..0.05 => 0.33 * since_s / 0.05,
+                        _ => 0.25 + 0.08 * (-(since_s - 0.05) / decay_s).exp(),
+                    };
+                    let time: Vec<f64> = (0..(45.0 / pause_s) as u32).map(|i| f64::from(i) * pause_s).collect();
+                    let mu: Vec<f64> =
+                        time.iter().map(|t| clean(t - start_s) * (1.0 + 0.003 * noise.normal())).collect();
+                    let found = before(&time, &mu, 10.0, 2e-3, pause_s);
+                    let case = format!("{decay_s} {pause_s} {seed}: {found:?}");
+                    // A coarse sample may miss the whole of a peak.
+                    let is_resolved = pause_s <= 0.025;
+                    assert!(found.peak.is_none() || (is_static && is_resolved), "{case}");
+                    assert!(!is_resolved || found.peak.is_some() == is_static, "{case}");
+                    assert!(found.unresolved.is_none() || !is_resolved, "{case}");
+                    assert!(found.run_in.is_none() || is_resolved || !is_static, "{case}");
+                    if let Some(run_in) = found.run_in.filter(|_| !is_static && pause_s <= 0.25 * decay_s) {
+                        // The fall from the highest sample on, and half of it within ln 2 decays.
+                        let fall = time.iter().map(|t| clean(t - start_s)).fold(0.0, f64::max) - 0.25;
+                        assert!((-run_in.change / fall - 1.0).abs() < 0.15, "{case}");
+                        assert!((run_in.relative - run_in.change / 0.25).abs() < 0.01, "{case}");
+                        let half_s = run_in.half_s - run_in.from_s;
+                        let expected_s = decay_s * std::f64::consts::LN_2;
+                        assert!((half_s - expected_s).abs() < 0.2 * expected_s + pause_s, "{case}");
+                    }
+                    assert!(is_static || !is_resolved || found.run_in.is_some(), "{case}");
+                }
+            }
+        }
     }
 }
