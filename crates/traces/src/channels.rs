@@ -108,8 +108,8 @@ const CHANNELS: [ChannelData; Channel::COUNT] = [
             coefficientdefrottement",
         secondary: "",
         // Rtec instruments write the divided force in place of the unit.
-        units: &[(" 1 fx ff", 1.0)],
-        unit_words: "a column without a unit",
+        units: &[(" 1 fx ff", 1.0), ("% pct percent", 1e-2)],
+        unit_words: "1, %, pct or percent",
     },
     ChannelData {
         title: "normal force",

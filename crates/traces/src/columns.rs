@@ -236,9 +236,11 @@ pub(crate) fn needed_columns(cells: &[&str], titles: &Titles) -> usize {
 
 fn column(cell: &str, titles: &Titles) -> Result<Option<Column>, UnknownUnit> {
     let written = unquoted(cell);
-    // The whole title is tried first, because the suffix of `normal_force` is no unit.
-    if let Some((channel, factor, priority)) = titles.meaning(written) {
-        return Ok(Some(Column { channel, priority, name: written.to_owned(), factor }));
+    let whole = titles.meaning(written);
+    let whole = whole.map(|(channel, factor, priority)| Column { channel, priority, name: written.to_owned(), factor });
+    // The whole title is tried first, because the suffix of `normal_force` is no unit; but `%` is one without letters.
+    if whole.is_some() && !written.contains('%') {
+        return Ok(whole);
     }
     let mut unknown = None;
     for (at, _) in written.char_indices().filter(|(_, letter)| UNIT_MARKS.contains(letter)) {
@@ -249,7 +251,7 @@ fn column(cell: &str, titles: &Titles) -> Result<Option<Column>, UnknownUnit> {
             Err(unit) => unknown = Some(unit),
         }
     }
-    unknown.map_or(Ok(None), Err)
+    unknown.map_or(Ok(whole), Err)
 }
 
 /// Whether an unknown title has the unit of a force and might therefore be the normal force.

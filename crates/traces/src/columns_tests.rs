@@ -63,6 +63,8 @@ fn names_and_units_of_several_houses() {
         ("run", Channel::Repeat, 1.0),
         ("COF", Channel::Coefficient, 1.0),
         ("Friction coefficient [-]", Channel::Coefficient, 1.0),
+        ("mu [%]", Channel::Coefficient, 1e-2),
+        ("COF (pct)", Channel::Coefficient, 1e-2),
         ("\u{b5}", Channel::Coefficient, 1.0),
         ("\u{3bc} []", Channel::Coefficient, 1.0),
     ] {
