@@ -2,7 +2,7 @@
 
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 use slipgrid_traces::columns::{Channel, Titles};
-use slipgrid_traces::export::{Recorded, TraceFile};
+use slipgrid_traces::export::{Recorded, TraceFile, titles_in};
 use slipgrid_traces::{Tangential, TraceFindings, lag_of_friction, speed_of_position};
 use strsim::levenshtein;
 
@@ -169,6 +169,22 @@ pub(crate) fn near_titles(file: &TraceFile, titles: &Titles) -> Vec<String> {
     file.unused.iter().filter_map(of_title).collect()
 }
 
+/// Finds the known title that is most similar to an unknown one in the `text` of an export, of the quantities of which
+/// one is needed and no column holds any; `None` if none is similar enough.
+pub(crate) fn near_missing_title(text: &str, titles: &Titles) -> Option<&'static str> {
+    let found = titles_in(text, titles);
+    let is_there = |channel: &Channel| found.iter().any(|(_, own)| own.as_ref() == Some(channel));
+    let needed: [&[Channel]; 2] = [&[Channel::Time], &[Channel::FrictionForce, Channel::Torque, Channel::Coefficient]];
+    let missing = needed.into_iter().find(|channels| !channels.iter().any(is_there))?;
+    let unknown = found.iter().filter(|(_, channel)| channel.is_none());
+    unknown
+        .filter_map(|(title, _)| nearest_title(title, missing))
+        // A known title with an unknown unit is refused for the unit.
+        .filter(|(.., distance)| *distance > 0)
+        .min_by_key(|(.., distance)| *distance)
+        .map(|(_, known, _)| known)
+}
+
 /// Finds the known title of one of the `channels` that is most similar to `title`; `None` if none is similar enough.
 /// Returns the channel, the known title and the number of differing letters.
 fn nearest_title(title: &str, channels: &[Channel]) -> Option<(Channel, &'static str, usize)> {
@@ -217,6 +233,20 @@ mod tests {
         }
         let unit = said("time,Fx,Fz,Position (inch)", &none);
         assert!(unit.len() == 1 && unit[0].contains("its unit is none of those of a position, mm, m, cm"), "{unit:?}");
+    }
+
+    #[test]
+    fn a_refused_export_suggests_the_title_that_is_meant() {
+        let none = Titles::default();
+        for (header, meant) in [
+            ("time [s],frction force [N],normal force [N]", Some("frictionforce")),
+            ("tme [s],friction force [N],normal force [N]", None),
+            ("Elapsed tme [s],friction force [N],normal force [N]", Some("elapsedtime")),
+            ("time [s],abc [N],normal force [N]", None),
+            ("time [s],friction force [MPa],normal force [N]", None),
+        ] {
+            assert_eq!(near_missing_title(&format!("{header}\n0,1,2\n"), &none), meant, "{header}");
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ use super::measured::Placed;
 pub use super::trace_notes::notes;
 use crate::formats::plausible::FRICTION;
 use crate::formats::source::{Source, read_letters};
-use crate::formats::trace_departures::{departures, near_titles, stands_still};
+use crate::formats::trace_departures::{departures, near_missing_title, near_titles, stands_still};
 use crate::formats::{Diagnostic, Document};
 
 /// The surface of a specimen.
@@ -372,6 +372,7 @@ pub fn parse_export(export: &Export, text: &str, setup: &TraceSetup) -> Result<T
     parse(text, &ExportOptions { effective_radius_m, titles, step: export.step }).map_err(|refused| Diagnostic {
         line: refused.line,
         key: refused.column.map(Into::into),
+        suggestion: near_missing_title(text, &setup.titles).filter(|_| refused.value.is_none()).map(Into::into),
         value: refused.value.map(Into::into),
         ..Diagnostic::file(&export.path, refused.reason).expected(refused.expected)
     })
