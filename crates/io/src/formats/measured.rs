@@ -112,7 +112,6 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
         let speed_mm_s = SPEED_MM_S.from_si(measured.speed_m_s);
         let pressure_pa = measured.force_n / specimens.area_m2;
         let pressure_mpa = PRESSURE_MPA.from_si(pressure_pa);
-        let deviation = measured.mu_dynamic_std / measured.mu_dynamic;
         let by_area = |value: f64, of: &str| {
             let mut at = row.at("force_n", measured.force_n);
             let digits = if (0.01..1e4).contains(&value) { format!("{value:.3}") } else { format!("{value:.2e}") };
@@ -125,10 +124,14 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
         let strain = pressure_pa / specimens.modulus_pa;
         told.extend(STRAIN.check(strain, || by_area(strain, "of Young's modulus"))?);
         told.extend(FRICTION.check(measured.mu_dynamic, || row.at("mu_dynamic", measured.mu_dynamic))?);
-        told.extend(RELATIVE_DEVIATION.check(deviation, || row.at("mu_dynamic_std", measured.mu_dynamic_std))?);
+        told.extend(check_deviation(
+            row,
+            ["mu_dynamic", "mu_dynamic_std"],
+            [measured.mu_dynamic, measured.mu_dynamic_std],
+        )?);
         if let Some(StaticPeak { mu: peak, std }) = measured.static_peak {
             told.extend(FRICTION.check(peak, || row.at("mu_static", peak))?);
-            told.extend(RELATIVE_DEVIATION.check(std / peak, || row.at("mu_static_std", std))?);
+            told.extend(check_deviation(row, ["mu_static", "mu_static_std"], [peak, std])?);
             if peak <= measured.mu_dynamic {
                 let reason = format!("is no static peak: dynamic friction is {}", measured.mu_dynamic);
                 return Err(Diagnostic { reason, ..row.at("mu_static", peak) }
@@ -139,6 +142,27 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
     told.extend(low_force(rows, specimens).into_iter().chain(low_speed(rows)).chain(low_humidity(rows)));
     told.extend(high_friction(rows).into_iter().chain(collinear::check(rows)));
     Ok(told)
+}
+
+/// Checks the standard deviation `std` of a friction coefficient with the mean `mean`; `keys` are their columns. Returns
+/// a warning if their ratio is unusual.
+///
+/// # Errors
+/// [`Diagnostic`] at the standard deviation if the ratio cannot be measured.
+fn check_deviation(
+    row: &Placed,
+    [of, key]: [&str; 2],
+    [mean, std]: [f64; 2],
+) -> Result<Option<Diagnostic>, Diagnostic> {
+    RELATIVE_DEVIATION.check(std / mean, || row.at(key, std)).map_err(|refused| {
+        let reason =
+            format!("is {} times the {of} {}, which {}", significant(std / mean, 3), tidy(mean), refused.reason);
+        let is_exchanged = std > mean && RELATIVE_DEVIATION.judge(mean / std) == Ok(None);
+        let place = format!("; with {of} and {key} in each other's place it is {}", significant(mean / std, 3));
+        let expected = refused.expected.as_deref().unwrap_or_default().to_owned();
+        let expected = expected + if is_exchanged { &place } else { "" };
+        Diagnostic { reason, ..refused }.expected(expected)
+    })
 }
 
 /// Warns, at the row of the greatest friction, if friction is so high in nearly all `rows` that friction force and
@@ -320,6 +344,26 @@ mod tests {
         assert_eq!(said(&[row_of(0.2, 4e-6, 2), row_of(50.0, 2e-3, 3)]), Vec::<String>::new());
         let pin = Specimens { area_m2: 1e-6, ..specimens };
         assert_eq!(check(&[row_of(0.2, 2e-3, 2)], &pin).unwrap(), []);
+    }
+
+    #[test]
+    fn a_mean_and_a_deviation_in_each_others_place_are_refused_by_their_ratio() {
+        let specimens = Specimens { area_m2: 78.5e-6, modulus_pa: 380e6 };
+        let refused = |mu_dynamic: f64, mu_dynamic_std: f64| {
+            let mut row = row_of(50.0, 2e-3, 2);
+            row.measurement = Measurement { mu_dynamic, mu_dynamic_std, ..row.measurement };
+            check(&[row], &specimens).unwrap_err().to_string()
+        };
+        let exchanged = refused(0.005, 0.25);
+        assert!(
+            exchanged.starts_with("flat.csv:2: mu_dynamic_std: 0.25 is 50 times the mu_dynamic 0.005, which lies"),
+            "{exchanged}"
+        );
+        assert!(
+            exchanged.ends_with("with mu_dynamic and mu_dynamic_std in each other's place it is 0.02"),
+            "{exchanged}"
+        );
+        assert!(!refused(0.25, 0.3).contains("place"), "{}", refused(0.25, 0.3));
     }
 
     #[test]

@@ -5,15 +5,19 @@ use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use slipgrid_base::statistics::upper_median;
 use slipgrid_model::material::Condition;
 use slipgrid_traces::columns::{Channel, Titles};
-use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, moderate};
+use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, Repeats, moderate};
 
 use super::friction::read_condition;
 use super::measurements::ORDER;
 use super::stated_specimen::read_count;
-use super::traces::{ConditionTraces, Export, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among};
+use super::traces::{
+    ConditionTraces, Export, OfTrial, ReadTrace, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among,
+};
 use super::values::{Number, NumberList};
+use crate::formats::plausible::RELATIVE_DEVIATION;
 use crate::formats::source::{Entry, Source, fits};
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{FORCE_N, LENGTH_MM, STROKE_SHARE, TIME_S};
@@ -260,7 +264,37 @@ impl<'d> TraceReader<'d> {
         conditions: &[(Range<usize>, TraceCondition)],
     ) -> Result<Vec<ConditionTraces>, Diagnostic> {
         let (found, refused) = self.analyse_readable(conditions);
-        refused.into_iter().next().map_or(Ok(found), Err)
+        let scattered = || self.scattered(&found, conditions);
+        match refused.into_iter().next().or_else(scattered) {
+            Some(refused) => Err(refused),
+            None => Ok(found),
+        }
+    }
+
+    /// Refuses the trace that is farthest from the other repeats of its condition if repeats scatter so much that a
+    /// standard deviation, which conditions share, cannot be one of friction; `None` otherwise.
+    fn scattered(
+        &self,
+        found: &[ConditionTraces],
+        conditions: &[(Range<usize>, TraceCondition)],
+    ) -> Option<Diagnostic> {
+        let most = RELATIVE_DEVIATION.measurable[1];
+        let is_wide = |mean: &Repeats| mean.mu_dynamic_predictive_std() > most * mean.mu_dynamic.mean;
+        let wide = found.iter().find(|traces| is_wide(&traces.mean))?;
+        let alike = found.iter().zip(conditions).filter(|(own, _)| own.condition.surface == wide.condition.surface);
+        let departures = alike.flat_map(|(traces, (span, _))| {
+            let mut friction: Vec<f64> = traces.traces.iter().map(|trace| trace.findings.window.mu).collect();
+            let usual = upper_median(&mut friction).unwrap_or(f64::NAN);
+            traces.traces.iter().map(move |trace| (trace, usual, span))
+        });
+        let off = |(trace, usual, _): &(&ReadTrace, f64, _)| (trace.findings.window.mu / usual).ln().abs();
+        let (trace, usual, span) = departures.max_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let reason = format!(
+            "has mu {:.4} in {}, of {usual:.4} in the median of its condition: repeats scatter by more than their mean",
+            trace.findings.window.mu, trace.label
+        );
+        let refused = Diagnostic { key: None, value: None, ..self.document.refuse(span.clone(), reason) };
+        Some(refused.expected("repeats that agree, or `exclude` in this condition"))
     }
 
     /// Like [`Self::analyse`], but continues after a refused condition. Returns the analysed conditions and the

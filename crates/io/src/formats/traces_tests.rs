@@ -154,3 +154,16 @@ fn a_disturbed_reading_is_named_with_its_line_and_one_that_spoils_friction_is_re
     assert!(!notes_of(&export(2.1), "").contains("disturbed"));
 }
 
+#[test]
+fn a_repeat_beyond_all_others_is_refused_at_its_own_condition() {
+    let step = |step: u32, mu: f64| lines(101, move |t, ripple| format!("{step};{t:.1};{:.4};10", 10.0 * mu * ripple));
+    let steps = [(1, 0.21), (2, 0.22), (3, 0.24), (4, 0.23), (5, 2.6)].map(|(number, mu)| step(number, mu)).concat();
+    let export = format!("Step;Time [s];Fx [N];Fz [N]\n{steps}");
+    let own = ["step = 1", "step = 2", "step = 3", "step = 4", "step = 5"];
+    let speeds = [100, 100, 200, 200, 200];
+    let conditions: Vec<(u32, &str)> = speeds.into_iter().zip(own).collect();
+    let refused = read(&export, "", &conditions).unwrap_err();
+    assert!(refused.starts_with("c.toml:26: has mu 2.5999"), "{refused}");
+    assert!(refused.contains("in a.csv, step 5, of 0.24") && refused.contains("`exclude`"), "{refused}");
+    assert_eq!(read(&export, "", &conditions[..4]).unwrap().len(), 2);
+}
