@@ -6,8 +6,8 @@ use super::DesignReport;
 use crate::blocked::LiftedReport;
 use crate::prediction::{Expected, LimitedBy, ModelledRatio, SampleReport, percent};
 use crate::results::{
-    Table, believed_interval, beyond_measured, beyond_measured_range, duration_in_words, fixed, length_in_words,
-    material_doubts, notes,
+    Table, believed, believed_interval, beyond_measured, beyond_measured_range, duration_in_words, fixed,
+    length_in_words, material_doubts, notes,
 };
 
 /// If a target pressure is outside the measured pressures by more than this factor, the extrapolated coefficient is
@@ -72,7 +72,7 @@ impl DesignReport {
             let mut row = vec![at.pressure_mpa.to_string()];
             row.extend(has_several.then(|| at.condition_in_words()));
             let interval = believed_interval([at.low_95, at.high_95]);
-            row.extend([at.target_in_words(), fixed(Some(at.median), 3), interval]);
+            row.extend([at.target_in_words(), believed(at.median, 3), interval]);
             row.extend(of_model(modelled));
             table.row(row);
         }
@@ -283,7 +283,7 @@ impl SampleReport {
 
     /// Row of [`samples_table`], labelled `name`; `has_times` adds the laser time.
     fn row(&self, name: String, has_times: bool) -> Vec<String> {
-        let at = |at: &Expected| format!("{:.3} ({})", at.median, believed_interval([at.low_95, at.high_95]));
+        let at = |at: &Expected| format!("{} ({})", believed(at.median, 3), believed_interval([at.low_95, at.high_95]));
         let mut row = vec![
             name,
             self.design.lengths_in_words().replace(' ', ""),

@@ -3,7 +3,7 @@
 use crate::results::fixed;
 
 /// Range of ratios, patterned over flat, that is believed; a value outside says only that little is known.
-const BELIEVED: [f64; 2] = [0.05, 2.0];
+pub const BELIEVED: [f64; 2] = [0.05, 2.0];
 
 /// Formats a ratio with `digits` decimals; outside the believed range it is `below 0.05` or `above 2`.
 pub fn believed(ratio: f64, digits: usize) -> String {

@@ -34,7 +34,7 @@ mod simulation_text;
 mod table;
 mod timings;
 
-pub use believed::{believed, believed_interval, believed_std};
+pub use believed::{BELIEVED, believed, believed_interval, believed_std};
 pub use corrected::{CorrectedAt, CorrectedReport};
 pub use csv::guard_formula;
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};

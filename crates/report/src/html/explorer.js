@@ -299,6 +299,8 @@
   // Readings.
   const fixed = (value, digits) => value === null || value === undefined || !Number.isFinite(value) ? "-" : value.toFixed(digits);
   // Seconds, from ten minutes on minutes, as on the rest of the page.
+  const [leastBelieved, mostBelieved] = data.believed;
+  const believed = value => value < leastBelieved ? `below ${leastBelieved}` : value > mostBelieved ? `above ${mostBelieved}` : fixed(value, 3);
   const duration = seconds => seconds >= 599.5 ? `${fixed(seconds / 60, 1)} min` : `${fixed(seconds, seconds < 0.995 ? 2 : seconds < 99.95 ? 1 : 0)} s`;
   const draw = () => {
     const shown = describe(state), isKnown = shown.gap === null;
@@ -316,7 +318,7 @@
     const value = (name, text) => say(name, isKnown ? text() : "-");
     say("at", `${fixed(pressure, 2)} MPa`);
     value("first", () => fixed(between(shown.values, pressure), 3));
-    value("interval", () => `${fixed(between(shown.lower, pressure), 3)} to ${fixed(between(shown.upper, pressure), 3)}`);
+    value("interval", () => [shown.lower, shown.upper].map(ends => believed(between(ends, pressure))).join(" to "));
     value("second", () => fixed(between(other(shown.values), pressure), 3));
     value("chance", () => chanceInWords(shown.chance));
     value("peak", () => fixed(shown.peak, 1));

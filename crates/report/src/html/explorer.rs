@@ -7,7 +7,7 @@ use serde::Serialize;
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::optimize::{Bound, Quantity};
 use slipgrid_design::records::TargetReport;
-use slipgrid_design::results::{PatternReport, VERSION};
+use slipgrid_design::results::{BELIEVED, PatternReport, VERSION};
 use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer, KnownMaterial};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Load;
@@ -57,6 +57,8 @@ struct Data {
     /// Whether depths are whole passes over a hatch, instead of bursts on a spot.
     has_passes: bool,
     has_laser_time: bool,
+    /// Range of values that are believed; ends of intervals outside are not printed as numbers.
+    believed: [f64; 2],
     design: [f64; 3],
     points: Vec<Point>,
     toml: String,
@@ -149,6 +151,7 @@ impl Subject<'_> {
             limits: self.limits(),
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
             has_passes: task.laser.bursts_per_pass().is_some(),
+            believed: BELIEVED,
             has_laser_time: task.laser_time_s(self.pattern).is_some(),
             design,
             points: self.points(),
