@@ -2,7 +2,8 @@
 //!
 //! New files are first written under another name. A new folder then appears by one rename. In an existing folder,
 //! files are renamed one by one while `result.json` is absent, so that a folder with `result.json` never holds files of
-//! two results.
+//! two results. Files bear the time at which the folder was opened, before the inputs were read: an input that is
+//! newer changed after the run began.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -32,6 +33,7 @@ const TIMINGS: &str = "timings.json";
 pub struct ResultFolder {
     path: PathBuf,
     patterns: Vec<String>,
+    opened: SystemTime,
     _lock: Lock,
 }
 
@@ -42,12 +44,13 @@ impl ResultFolder {
     /// # Errors
     /// [`PlaceError`], as in [`check_folder`], and if another run holds the lock.
     pub fn open(place: Place<'_>, patterns: &[&str], inputs: &[PathBuf]) -> Result<Self, PlaceError> {
+        let opened = SystemTime::now();
         check_folder(place, patterns, inputs)?;
         let lock = Lock::new(&lock_path(place.path))?;
         // Another run may have ended since.
         check_folder(place, patterns, inputs)?;
         let patterns = patterns.iter().map(|pattern| (*pattern).to_owned()).collect();
-        Ok(Self { path: place.path.to_owned(), patterns, _lock: lock })
+        Ok(Self { path: place.path.to_owned(), patterns, opened, _lock: lock })
     }
 
     /// The folder as given by the user.
@@ -90,7 +93,8 @@ impl ResultFolder {
         fs::create_dir_all(parent(folder)).map_err(&failed)?;
         remove_abandoned(parent(folder));
         if !folder.is_dir() {
-            let staged = Staged::new(outputs, parent(folder), Written::default(), is_cancelled).map_err(&failed)?;
+            let staged =
+                Staged::new(outputs, parent(folder), Written::default(), self.opened, is_cancelled).map_err(&failed)?;
             if is_cancelled() {
                 return Err(failed(io::Error::other("interrupted")));
             }
@@ -109,7 +113,7 @@ impl ResultFolder {
             .filter(|path| !path.to_str().is_some_and(|name| names.contains(name)) && written.holds(folder, path))
             .collect();
         stale.iter().for_each(|path| written.remove(path));
-        let staged = Staged::new(outputs, folder, written, is_cancelled).map_err(&failed)?;
+        let staged = Staged::new(outputs, folder, written, self.opened, is_cancelled).map_err(&failed)?;
         rename_each(&staged, folder, &names, &stale).map_err(failed)
     }
 }
@@ -122,15 +126,23 @@ struct Staged {
 }
 
 impl Staged {
-    /// Writes `outputs` to a temporary folder in `place`, together with the list `written`, to which `outputs` are
-    /// added.
-    fn new(outputs: &Outputs, place: &Path, mut written: Written, is_cancelled: &dyn Fn() -> bool) -> io::Result<Self> {
+    /// Writes `outputs` with the time `opened` to a temporary folder in `place`, together with the list `written`, to
+    /// which `outputs` are added.
+    fn new(
+        outputs: &Outputs,
+        place: &Path,
+        mut written: Written,
+        opened: SystemTime,
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> io::Result<Self> {
         let writing = Writing::new();
         let folder = unfinished(0o777).tempdir_in(place)?;
         for (name, content) in outputs.iter() {
             let path = folder.path().join(name);
             fs::create_dir_all(parent(&path))?;
-            let hash = write_through(File::create_new(path)?, content, is_cancelled)?;
+            let (file, hash) = write_through(File::create_new(path)?, content, is_cancelled)?;
+            // Some file systems refuse to set a time.
+            let _ = file.set_modified(opened);
             // Timings differ between runs and have their own mark.
             if name != TIMINGS {
                 written.insert(name, hash);
@@ -165,14 +177,14 @@ fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[
     rename(LIST)
 }
 
-/// Writes `content` to `file`, waits until it is stored on the disk, and returns its SHA-256. The file may be renamed
-/// only afterwards.
-fn write_through(file: File, content: &Content, is_cancelled: &dyn Fn() -> bool) -> io::Result<String> {
+/// Writes `content` to `file`, waits until it is stored on the disk, and returns the file and its SHA-256. The file may
+/// be renamed only afterwards.
+fn write_through(file: File, content: &Content, is_cancelled: &dyn Fn() -> bool) -> io::Result<(File, String)> {
     let mut buffered = BufWriter::new(Hashing { file, hash: Sha256::new(), is_cancelled });
     content(&mut buffered)?;
     let Hashing { file, hash, .. } = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
     file.sync_data()?;
-    Ok(hexadecimal(&hash.finalize()))
+    Ok((file, hexadecimal(&hash.finalize())))
 }
 
 /// A file writer that hashes the written data and refuses further data once the run is cancelled.

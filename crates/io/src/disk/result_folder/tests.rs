@@ -41,6 +41,25 @@ fn of(files: &[(&str, &str)]) -> Vec<(String, String)> {
 }
 
 #[test]
+fn an_input_that_changed_during_the_run_is_newer_than_the_result() {
+    let place = tempfile::tempdir().unwrap();
+    let [out, input] = ["out", "design.toml"].map(|name| place.path().join(name));
+    let time = |path: &Path| fs::metadata(path).unwrap().modified().unwrap();
+    // A new folder, and one with a result.
+    for _ in 0..2 {
+        fs::write(&input, "before").unwrap();
+        let folder = open(&out).unwrap();
+        let files = outputs(&[("result.json", "{}")]);
+        folder.replace(&files, &|| false).unwrap();
+        assert!(time(&out.join("result.json")) >= time(&input));
+        std::thread::sleep(Duration::from_millis(30));
+        fs::write(&input, "meanwhile").unwrap();
+        folder.replace(&files, &|| false).unwrap();
+        assert!(time(&out.join("result.json")) < time(&input));
+    }
+}
+
+#[test]
 fn a_result_is_replaced_as_a_whole_and_files_of_others_stay() {
     for has_folder in [false, true] {
         let place = tempfile::tempdir().unwrap();
