@@ -77,7 +77,7 @@ export function edit(path, edits) {
   };
   const next = (queues.get(path) ?? Promise.resolve()).catch(() => {}).then(send);
   queues.set(path, next);
-  next.catch((error) => say(error.message));
+  next.catch((error) => say(error.message)).then(() => queues.get(path) === next && queues.delete(path));
   return next;
 }
 
@@ -110,8 +110,9 @@ function keepJob(job) {
 
 export const isEnded = (job) => job.state !== "queued" && job.state !== "running";
 
-/// Starts a job and waits for its end.
+/// Starts a job once all edits are saved, and waits for its end. An edit that is not saved stops it.
 export async function run(command) {
+  await Promise.all(queues.values());
   return ended((await post("/api/jobs", null, { command })).id);
 }
 

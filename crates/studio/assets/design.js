@@ -2,7 +2,7 @@
 
 import { has, hashOf, load, loadFolder, state } from "./api.js";
 import { drawSummary } from "./form.js";
-import { jobButton, watchResult } from "./jobs.js";
+import { jobButton, outdated, watchResult } from "./jobs.js";
 import { addTrial } from "./trial.js";
 import { alert, button, dimensions, fileUrl, h, heading, link, percent, reportFrame, stem, table } from "./ui.js";
 
@@ -46,17 +46,16 @@ export async function show(root, signal) {
   const view = h("div", {});
   const search = jobButton("Find the texture", () => ["optimize", state.design], loadFolder, signal);
   const title = heading("");
-  root.append(title, problems, search, view);
+  const old = outdated(state.design, `${out}/result.json`, "Find the texture again.", signal);
+  root.append(title, problems, search, old, view);
   const doc = await load(state.design);
   if (signal.aborted) return;
   title.textContent = doc.values?.name ?? state.design;
   drawSummary(problems, doc, signal);
 
-  const draw = (record, file) => {
-    const isOld = has(state.design)?.modified_ms > file.modified_ms;
+  const draw = (record) => {
     const files = DOWNLOADS.filter((name) => has(`${out}/${name}`));
     view.replaceChildren(...[
-      isOld && h("p", { class: "note" }, "The design changed after this result. Find the texture again."),
       decision(record),
       record.design && h("p", {}, cutButton(record.design)),
       h("p", { class: "line" }, "Download: ", files.map((name) => link(fileUrl(`${out}/${name}`, true), name)),

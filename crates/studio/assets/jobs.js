@@ -93,6 +93,24 @@ export function jobButton(label, command, onEnd, signal) {
   return place;
 }
 
+/// Note that names the files whose change made `result` of the file `path` outdated; it follows the folder.
+export function outdated(path, result, advice, signal) {
+  const note = h("div", { role: "status" });
+  let seen = null;
+  const look = async () => {
+    const files = JSON.stringify(state.files.filter((file) => !file.path.startsWith("out/") || file.path === result));
+    if (!has(result) || files === seen) return;
+    seen = files;
+    const { changed } = await get("/api/changed", { path, result }).catch(() => ({}));
+    if (!changed) return;
+    const words = `${changed.join(", ")} changed after the run of this result began. ${advice}`;
+    note.replaceChildren(...(changed.length ? [h("p", { class: "note" }, words)] : []));
+  };
+  on("folder", look, signal);
+  look();
+  return note;
+}
+
 /// Calls `draw` with the record of `out/result.json`, now and whenever the file is newer.
 export function watchResult(out, draw, signal) {
   let drawn = null;

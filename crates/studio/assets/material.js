@@ -4,7 +4,7 @@ import { edit, get, has, hashOf, load, loadFolder, materialName, measuredTable, 
   upload } from "./api.js";
 import { drawForm, drawSummary } from "./form.js";
 import { drawIntake, newTables } from "./intake.js";
-import { jobButton } from "./jobs.js";
+import { jobButton, outdated } from "./jobs.js";
 import { timePlot } from "./plot.js";
 import { drawTrace } from "./traceview.js";
 import { alert, ask, button, debounce, dropZone, fileUrl, h, heading, join, link, newId, parent, relative, reportFrame,
@@ -165,7 +165,8 @@ export async function show(root, signal) {
     dropZone("Choose files", "Drop traces of the tribometer and altitude maps here, any number.", take), refused, fresh,
       single,
     heading("Conditions"), conditions, repeats, heading("Altitude map"), map, heading("Settings"), form,
-    heading("Fit"), fit, report, h("details", { class: "group" }, h("summary", {}, "Another material"), another));
+    heading("Fit"), fit, outdated(path, `out/${name}-fit/report.html`, "Fit the material again.", signal), report,
+    h("details", { class: "group" }, h("summary", {}, "Another material"), another));
   startMaterial(another);
   drawSummary(problems, doc, signal);
   drawForm(form, doc, keys, [{ at: [], only: ["name", "source"] }, ...GROUPS], signal);

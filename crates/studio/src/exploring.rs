@@ -1,5 +1,5 @@
 //! Predictions for any texture of a design: computed once for the present content of its files, then read in
-//! microseconds.
+//! microseconds. Results whose inputs changed since are found by the same stamps of files.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -15,13 +15,14 @@ use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use slipgrid_design::{DesignError, Explored, explore_bounds};
 use slipgrid_io::disk::disk;
 use slipgrid_io::formats::calibrated::complete;
+use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::design::Design;
 
 use crate::Shared;
 use crate::error::{Answer, Refused, aside};
 use crate::folder::At;
 use crate::jobs::{locked, start_exploring};
-use crate::places::inside;
+use crate::places::{inside, with_slashes};
 
 /// Input files of a computation, each with its size in bytes and time of change; `None` for a file that cannot be read.
 type Stamps = Vec<(PathBuf, Option<(u64, SystemTime)>)>;
@@ -60,6 +61,41 @@ pub fn explore(path: &str, shared: &Shared, monitor: &dyn Monitor) -> Result<(),
     })?;
     locked(&shared.explored.0).insert(path, ([before, of_calibration].concat(), Arc::new(found)));
     Ok(())
+}
+
+/// Stamps of the input files of the design or calibration at `path`, as far as they can be read.
+fn inputs(path: PathBuf) -> Stamps {
+    let (mut paths, calibration) = match Design::read(&disk(), &path) {
+        Ok(design) => (design.inputs, design.calibration),
+        Err(_) => (vec![path.clone()], Some(path)),
+    };
+    match calibration.map(|path| Calibration::read(&disk(), &path)) {
+        Some(Ok(read)) => paths.extend(read.inputs),
+        Some(Err(refused)) => paths.extend(refused.file.map(PathBuf::from)),
+        None => {}
+    }
+    paths.sort();
+    paths.dedup();
+    stamps(paths)
+}
+
+/// Paths of a result and of the design or calibration that it was made from, in the query of a request.
+#[derive(Deserialize)]
+pub struct Made {
+    path: String,
+    result: String,
+}
+
+/// Answers with the input files that are newer than a result, which is as old as the beginning of its run.
+pub async fn changed(Query(made): Query<Made>) -> Answer<Value> {
+    aside(move || {
+        let (path, result) = (inside(&made.path)?, inside(&made.result)?);
+        let began = std::fs::metadata(&result).and_then(|metadata| metadata.modified());
+        let began = began.map_err(|error| Refused::system(&result, &error))?;
+        let changed = inputs(path).into_iter().filter(|(_, stamp)| stamp.is_none_or(|(_, time)| time > began));
+        Ok(json!({ "changed": changed.map(|(path, _)| with_slashes(&path)).collect::<Vec<_>>() }))
+    })
+    .await
 }
 
 /// Answers a request to start the computation of predictions for a design.

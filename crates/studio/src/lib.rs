@@ -8,7 +8,7 @@
 //! | `folder` | files of the folder, their kinds and changes |
 //! | `texts` | reading, checking, writing and editing of text files |
 //! | `jobs` | commands that run one after another, with progress and cancelling |
-//! | `exploring` | predictions for any texture of a design |
+//! | `exploring` | predictions for any texture of a design; results whose inputs changed |
 //! | `exports` | traces, as read and as averaged |
 //! | `example` | a folder with the published material |
 //!
@@ -136,6 +136,7 @@ fn router(shared: Arc<Shared>, guard: Guard) -> Router {
         .route("/api/events", get(jobs::events))
         .route("/api/explore", post(exploring::start))
         .route("/api/predict", get(exploring::predict))
+        .route("/api/changed", get(exploring::changed))
         .route("/assets/{*name}", get(assets::asset))
         .route("/", get(assets::page))
         .layer(from_fn_with_state(Arc::clone(&guard), guard::admit));

@@ -1,5 +1,6 @@
 //! Text files: read, checked, written and edited. Every form of the page shows the content of one file.
 
+use std::fs::File;
 use std::path::Path;
 
 use axum::Json;
@@ -135,11 +136,31 @@ fn require_unchanged(path: &Path, known: Option<&str>) -> Result<Option<String>,
     }
 }
 
-fn save(at: &str, path: &Path, text: &str) -> Result<Value, Refused> {
+/// Values of a TOML text without trials that wait to be measured, from which nothing is computed but what to cut next.
+fn computed_from(text: &str) -> Option<toml::Table> {
+    let mut table: toml::Table = text.parse().ok()?;
+    let is_measured = |trial: &toml::Value| ["measurements", "traces"].iter().any(|key| trial.get(key).is_some());
+    if let Some(toml::Value::Array(trials)) = table.get_mut("trial") {
+        trials.retain(is_measured);
+        if trials.is_empty() {
+            table.remove("trial");
+        }
+    }
+    Some(table)
+}
+
+/// Writes `text` in the place of `before`. A file keeps its time where nothing that is computed changes, so that
+/// results stay newer.
+fn save(at: &str, path: &Path, text: &str, before: Option<&str>) -> Result<Value, Refused> {
     if text.len() as u64 > MAX_BYTES {
         return Err(Refused::bad(format!("the text has more than {} MiB", MAX_BYTES >> 20)));
     }
+    let equal = before.and_then(computed_from).is_some_and(|before| Some(before) == computed_from(text));
+    let time = std::fs::metadata(path).and_then(|metadata| metadata.modified()).ok().filter(|_| equal);
     put(path, text.as_bytes()).map_err(|error| Refused::system(path, &error))?;
+    if let Some(time) = time {
+        let _ = File::options().write(true).open(path).and_then(|file| file.set_modified(time));
+    }
     Ok(told(at, path, text))
 }
 
@@ -147,8 +168,8 @@ fn save(at: &str, path: &Path, text: &str) -> Result<Value, Refused> {
 pub async fn write(Query(at): Query<At>, Json(written): Json<Written>) -> Answer<Value> {
     aside(move || {
         let path = inside(&at.path)?;
-        require_unchanged(&path, written.digest.as_deref())?;
-        save(&at.path, &path, &written.text)
+        let before = require_unchanged(&path, written.digest.as_deref())?;
+        save(&at.path, &path, &written.text, before.as_deref())
     })
     .await
 }
@@ -171,7 +192,7 @@ pub async fn edit(Query(at): Query<At>, Json(edits): Json<Edits>) -> Answer<Valu
         for edit in &edits.edits {
             edit.apply(&mut document)?;
         }
-        save(&at.path, &path, &document.to_string())
+        save(&at.path, &path, &document.to_string(), Some(&text))
     })
     .await
 }

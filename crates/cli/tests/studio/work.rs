@@ -84,6 +84,68 @@ fn a_job_is_followed_and_cancelled() {
 }
 
 #[test]
+fn a_result_is_outdated_by_a_change_during_its_run() {
+    let (folder, server) = Server::with_design();
+    let words = ["optimize", "quick.toml"];
+    let changed =
+        |server: &Server| server.get("/api/changed?path=quick.toml&result=out/quick/result.json")["changed"].clone();
+    let id = server.send("POST", "/api/jobs", &json!({ "command": words }))["id"].clone();
+    while server.get("/api/jobs")["jobs"][0]["stage"] == "" {}
+    fs::write(folder.path().join("quick.toml"), DESIGN.replace("value = 0.85", "value = 0.8")).unwrap();
+    assert_eq!(server.ended(&id)["state"], "done");
+    assert_eq!(changed(&server), json!(["quick.toml"]));
+    // Another server says so too, until the texture is searched again.
+    server.kill();
+    let server = Server::start(folder.path());
+    assert_eq!(changed(&server), json!(["quick.toml"]));
+    assert_eq!(server.job(&words)["state"], "done");
+    assert_eq!(changed(&server), json!([]));
+}
+
+#[test]
+fn a_result_is_outdated_by_every_input() {
+    let (folder, server) = Server::anywhere();
+    copy("calibration/ldpe-cast-iron", &folder.path().join("m"));
+    let design = fs::read_to_string(root().join("crates/studio/example/design.toml")).unwrap();
+    let design = design.replace("ldpe-cast-iron/", "m/");
+    let write = |name: &str, text: &[u8]| {
+        std::thread::sleep(Duration::from_millis(20));
+        fs::write(folder.path().join(name), text).unwrap();
+    };
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    let changed_of =
+        |path: &str| server.get(&format!("/api/changed?path={path}&result=result.json"))["changed"].clone();
+    let changed = || changed_of("a.toml");
+    let run = || {
+        write("result.json", b"{}");
+        assert_eq!(changed(), json!([]));
+    };
+    write("a.toml", design.as_bytes());
+    for name in ["a.toml", "m/calibration.toml", "m/flat.csv", "m/flat-map.asc"] {
+        run();
+        write(name, &read(name));
+        assert_eq!(changed(), json!([name]));
+        assert_eq!(changed_of("m/calibration.toml"), json!(if name == "a.toml" { vec![] } else { vec![name] }));
+    }
+    // A trial changes nothing before it is measured.
+    run();
+    let edit = |at: Value, value: Value| {
+        let digest = server.get("/api/text?path=m/calibration.toml")["digest"].clone();
+        let edits = json!({ "digest": digest, "edits": [{ "at": at, "value": value }] });
+        server.send("POST", "/api/edit?path=m/calibration.toml", &edits);
+    };
+    let pattern = json!({ "width_um": 9, "spacing_um": 90, "depth_um": 9 });
+    edit(json!(["trial", 0]), json!({ "name": "cut-1", "pattern": pattern }));
+    assert_eq!(changed(), json!([]));
+    edit(json!(["trial", 0, "measurements"]), json!("patterned.csv"));
+    assert_eq!(changed(), json!(["m/calibration.toml"]));
+    // A design that cannot be read.
+    run();
+    write("a.toml", b"name = 1\n[target]\n[bounds]\n");
+    assert_eq!(changed(), json!(["a.toml"]));
+}
+
+#[test]
 fn a_killed_server_leaves_the_earlier_result_and_a_free_folder() {
     let (folder, server) = Server::with_design();
     let words = ["optimize", "quick.toml"];
