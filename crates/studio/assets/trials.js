@@ -4,11 +4,11 @@ import { edit, hashOf, load, loadFolder, materialName, on, schema, state, upload
 import { decision, textures } from "./design.js";
 import { drawForm, drawSummary } from "./form.js";
 import { drawIntake, newTables } from "./intake.js";
-import { jobButton, watchResult } from "./jobs.js";
+import { jobButton, outdated, watchResult } from "./jobs.js";
 import { targetsOf } from "./material.js";
 import { drawTrace } from "./traceview.js";
 import { alert, button, dimensions, dropZone, h, heading, join, link, newId, parent, percent, reportFrame, short,
-  table } from "./ui.js";
+  stem, table } from "./ui.js";
 
 const COLUMNS = [["chosen", "Chosen", "No sample is chosen."], ["cut", "Cut", "No cut sample waits to be measured."],
   ["measured", "Measured", "No sample is measured yet."]];
@@ -117,13 +117,16 @@ export async function show(root, signal) {
   const learn = jobButton("What was learned", () => ["trials", path, "-o", out, "--json"], loadFolder, signal);
   learn.attach("trials", path);
   const count = h("input", { type: "number", id: newId(), min: 1, max: 12, value: 3 });
-  const next = jobButton("What to cut next", () => ["next", state.design, "--count", count.value, "-o", "out/next",
+  const outNext = state.design && `out/${stem(state.design)}-next`;
+  const next = jobButton("What to cut next", () => ["next", state.design, "--count", count.value, "-o", outNext,
     "--json"],
     loadFolder, signal);
   if (state.design) next.attach("next", state.design);
-  root.append(problems, board, refused, fresh, single, heading("What was learned"), learn, learned,
-    heading("What to cut next"),
-    ...(state.design ? [h("p", { class: "line" }, h("label", { for: count.id }, "Samples"), count), next, proposed]
+  const old = (result, of, advice) => outdated(of, `${result}/result.json`, advice, signal);
+  root.append(problems, board, refused, fresh, single, heading("What was learned"), learn,
+    old(out, path, "Ask again what was learned."), learned, heading("What to cut next"),
+    ...(state.design ? [h("p", { class: "line" }, h("label", { for: count.id }, "Samples"), count), next,
+      old(outNext, state.design, "Ask again what to cut."), proposed]
       : [h("p", {}, "This needs a design. ", link(hashOf("target"), "Set a target first"), ".")]));
   drawSummary(problems, doc, signal);
   draw();
@@ -135,7 +138,7 @@ export async function show(root, signal) {
       has(page) ? reportFrame(page, `Trials of ${name}`) : "");
   }, signal);
   if (!state.design) return;
-  await watchResult("out/next", (record) => {
+  await watchResult(outNext, (record) => {
     proposed.replaceChildren(decision(record), textures("Samples to cut", record.samples),
       record.one_on_target === null ? ""
         : h("p", {}, `Chance that one of these, or of the pending ones, is on target: ${percent(record.one_on_target)}`));

@@ -392,7 +392,7 @@ mod tests {
     fn commands_stay_in_the_folder() {
         let words = |line: &str| line.split(' ').map(str::to_owned).collect::<Vec<_>>();
         for line in
-            ["optimize a.toml", "next a.toml --count 3 -o out/next --json", "surface m.asc --crop 0,0,9,9 -o out/m"]
+            ["optimize a.toml", "next a.toml --count 3 -o out/a-next --json", "surface m.asc --crop 0,0,9,9 -o out/m"]
         {
             assert!(check(&words(line)).is_ok(), "{line}");
         }
