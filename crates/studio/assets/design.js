@@ -1,22 +1,27 @@
 // Design: the search for a texture, its report, other textures worth cutting, and the files for the laser.
 
-import { has, hashOf, load, loadFolder, state } from "./api.js";
+import { has, hashOf, load, loadFolder, on, state } from "./api.js";
 import { drawSummary } from "./form.js";
 import { jobButton, outdated, watchResult } from "./jobs.js";
-import { addTrial } from "./trial.js";
+import { addTrial, calibrationOf, materialLine, trialOf } from "./trial.js";
 import { alert, button, dimensions, fileUrl, h, heading, link, percent, reportFrame, stem, table } from "./ui.js";
 
 const DOWNLOADS = ["pattern.dxf", "pattern.svg", "process.toml", "scene.toml"];
 const MISSED = ["cannot_be_met", "do_not_texture"];
 
-/// Button that adds a texture to the trials.
-export function cutButton(design) {
+/// Button that adds a texture to the trials of a calibration, or the name of the trial that it is. `calibration` is a
+/// document or null.
+function cutButton(design, calibration) {
+  if (!calibration) return null;
+  const added = (name) => link(hashOf("trials", { calibration: calibration.path }), `Added as ${name}`);
+  const known = trialOf(calibration, design);
+  if (known) return added(known.name);
   const cut = button("I will cut this", async () => {
     cut.disabled = true;
-    try { cut.replaceWith(link(hashOf("trials"), `Added as ${await addTrial(design)}`)); }
+    try { cut.replaceWith(added(await addTrial(calibration.path, design))); }
     catch (error) { cut.disabled = false; cut.after(alert(error)); }
   });
-  return state.calibration ? cut : null;
+  return cut;
 }
 
 export function decision(result) {
@@ -28,9 +33,9 @@ export function decision(result) {
 }
 
 /// Table of textures with their chances.
-export function textures(caption, samples) {
+export function textures(caption, samples, calibration) {
   const rows = samples.map((sample) => [dimensions(sample.design), percent(sample.chance),
-    sample.expected.map((load) => load.median.toFixed(2)).join(", "), cutButton(sample.design) ?? ""]);
+    sample.expected.map((load) => load.median.toFixed(2)).join(", "), cutButton(sample.design, calibration) ?? ""]);
   return table(caption, ["Texture", "Chance", "Expected at the pressures of the target", ""], rows);
 }
 
@@ -46,21 +51,26 @@ export async function show(root, signal) {
   const view = h("div", {});
   const search = jobButton("Find the texture", () => ["optimize", state.design], loadFolder, signal);
   const title = heading("");
+  const material = h("div", {});
   const old = outdated(state.design, `${out}/result.json`, "Find the texture again.", signal);
-  root.append(title, problems, search, old, view);
+  root.append(title, material, problems, search, old, view);
   const doc = await load(state.design);
+  const path = await calibrationOf(doc);
+  let calibration = path && await load(path);
   if (signal.aborted) return;
   title.textContent = doc.values?.name ?? state.design;
+  material.append(materialLine(doc, path));
   drawSummary(problems, doc, signal);
+  on("doc", (now) => { if (now.path === path) calibration = now; }, signal);
 
   const draw = (record) => {
     const files = DOWNLOADS.filter((name) => has(`${out}/${name}`));
     view.replaceChildren(...[
       decision(record),
-      record.design && h("p", {}, cutButton(record.design)),
+      record.design && h("p", {}, cutButton(record.design, calibration)),
       h("p", { class: "line" }, "Download: ", files.map((name) => link(fileUrl(`${out}/${name}`, true), name)),
         link(`/api/zip?${new URLSearchParams({ path: out })}`, "all files as zip", { download: `${stem(out)}.zip` })),
-      record.others?.length > 0 && textures("Also worth cutting", record.others),
+      record.others?.length > 0 && textures("Also worth cutting", record.others, calibration),
       has(`${out}/report.html`) && reportFrame(`${out}/report.html`, `Report of ${record.name}`),
     ].filter(Boolean));
   };

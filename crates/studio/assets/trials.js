@@ -7,8 +7,9 @@ import { drawIntake, newTables } from "./intake.js";
 import { jobButton, outdated, watchResult } from "./jobs.js";
 import { targetsOf } from "./material.js";
 import { drawTrace } from "./traceview.js";
-import { alert, button, dimensions, dropZone, h, heading, join, link, newId, parent, percent, reportFrame, short,
-  stem, table } from "./ui.js";
+import { calibrationOf, materialLine } from "./trial.js";
+import { alert, button, dimensions, dropZone, h, heading, join, link, newId, parent, percent, reportFrame, resolve,
+  short, stem, table } from "./ui.js";
 
 const COLUMNS = [["chosen", "Chosen", "No sample is chosen."], ["cut", "Cut", "No cut sample waits to be measured."],
   ["measured", "Measured", "No sample is measured yet."]];
@@ -122,10 +123,11 @@ export async function show(root, signal) {
     "--json"],
     loadFolder, signal);
   if (state.design) next.attach("next", state.design);
+  const material = h("div", {});
   const old = (result, of, advice) => outdated(of, `${result}/result.json`, advice, signal);
   root.append(problems, board, refused, fresh, single, heading("What was learned"), learn,
     old(out, path, "Ask again what was learned."), learned, heading("What to cut next"),
-    ...(state.design ? [h("p", { class: "line" }, h("label", { for: count.id }, "Samples"), count), next,
+    ...(state.design ? [material, h("p", { class: "line" }, h("label", { for: count.id }, "Samples"), count), next,
       old(outNext, state.design, "Ask again what to cut."), proposed]
       : [h("p", {}, "This needs a design. ", link(hashOf("target"), "Set a target first"), ".")]));
   drawSummary(problems, doc, signal);
@@ -138,9 +140,19 @@ export async function show(root, signal) {
       has(page) ? reportFrame(page, `Trials of ${name}`) : "");
   }, signal);
   if (!state.design) return;
-  await watchResult(outNext, (record) => {
-    proposed.replaceChildren(decision(record), textures("Samples to cut", record.samples),
-      record.one_on_target === null ? ""
-        : h("p", {}, `Chance that one of these, or of the pending ones, is on target: ${percent(record.one_on_target)}`));
-  }, signal);
+  const design = await load(state.design);
+  const home = await calibrationOf(design);
+  let calibration = home && await load(home);
+  if (signal.aborted) return;
+  material.append(h("p", {}, `Design: ${design.values?.name ?? state.design}`), materialLine(design, home));
+  // A material file has no trials that wait.
+  const isOwn = home && home === resolve(parent(state.design), design.values.material);
+  const pending = () => (calibration.values?.trial ?? []).filter((trial) => columnOf(trial) !== "measured").length;
+  const drawNext = (record) => proposed.replaceChildren(!isOwn || pending() === record.pending ? ""
+    : h("p", { class: "note" }, "Other samples wait to be measured now. Ask again what to cut."), decision(record),
+    textures("Samples to cut", record.samples, calibration), record.one_on_target === null ? ""
+      : h("p", {}, `Chance that one of these, or of the pending ones, is on target: ${percent(record.one_on_target)}`));
+  let shown = null;
+  on("doc", (now) => { if (now.path === home) { calibration = now; if (shown) drawNext(shown); } }, signal);
+  await watchResult(outNext, (record) => { shown = record; drawNext(record); }, signal);
 }

@@ -133,6 +133,16 @@ export const stem = (path) => path.split("/").pop().replace(/\.[^.]*$/, "");
 export const parent = (path) => (path.includes("/") ? path.slice(0, path.lastIndexOf("/")) : "");
 export const join = (folder, name) => (folder ? `${folder}/${name}` : name);
 
+/// Path that `name` means in `folder`; the opposite of `relative`.
+export function resolve(folder, name) {
+  const parts = [];
+  for (const part of join(folder, name).split("/")) {
+    if (part === ".." && parts.length && parts.at(-1) !== "..") parts.pop();
+    else if (part !== ".") parts.push(part);
+  }
+  return parts.join("/");
+}
+
 /// Path of `to` relative to `folder`; both are relative to the studio's folder.
 export function relative(folder, to) {
   const from = folder ? folder.split("/") : [];
