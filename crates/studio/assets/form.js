@@ -177,7 +177,7 @@ export function drawForm(root, doc, schema, groups, signal) {
       else if (inner.type === "object") nested.push(group({ at: place, title: labelOf(key).label, schema: inner }));
       else (isRequired || key in set || only ? first : more).push(field(place, inner, isRequired));
     }
-    const fold = more.length > 0 && h("details", {}, h("summary", {}, "More settings ",
+    const fold = more.length > 0 && h("details", { open: first.length === 0 }, h("summary", {}, "More settings ",
       h("span", { class: "quiet" }, `${more.length}`)), h("div", { class: "fields" }, more));
     return [h("div", { class: "fields" }, first), fold, nested];
   };

@@ -20,7 +20,7 @@ const GROUPS = [
   { at: ["pattern"], title: "Pattern of the first patterned samples" }, { at: ["fit"], title: "Fit" },
   { at: ["trial_prior"], title: "Prior of the model error" },
 ];
-/// Rows of the table that `slipgrid new calibration` writes.
+/// Rows of the table that `slipgrid new calibration` writes; a new material of the page has none.
 const EXAMPLE_ROWS = "50,2,15,0.248,0.002 100,2,15,0.263,0.005 200,2,15,0.278,0.001";
 /// Keys of [surface] that are also options of `slipgrid surface`.
 const MAP_OPTIONS = ["pixel_um", "pixel_y_um", "height_unit", "lateral_unit", "decimal_comma", "crop", "decimate",
@@ -43,7 +43,7 @@ export function targetsOf(doc, dropped = new Map()) {
 async function leaveTables(doc, picked) {
   if (!doc.values?.measurements || picked.every(({ target }) => target.at[0] === "trial")) return [];
   const measured = await measuredTable(doc).catch(() => null);
-  const isExample = measured?.rows.map((row) => row.join(",")).join(" ") === EXAMPLE_ROWS;
+  const isExample = ["", EXAMPLE_ROWS].includes(measured?.rows.map((row) => row.join(",")).join(" "));
   if (!isExample) {
     const text = "The calibration reads a table of flat samples. It can read traces instead. The table stays.";
     const answer = await ask("Read traces instead of the table?", text, ["Read the traces", "Keep the table"]);

@@ -1,8 +1,12 @@
 // Beginning a material or a design: forms that ask for a name and write the template.
 
-import { edit, get, hashOf, load, loadFolder, measuredTable, run, state } from "./api.js";
+import { edit, get, hashOf, load, loadFolder, measuredTable, run, save, state } from "./api.js";
 import { firstError } from "./jobs.js";
-import { alert, h, nameForm, parent, relative } from "./ui.js";
+import { alert, h, nameForm, parent, relative, stem } from "./ui.js";
+
+/// Examples in the template of a calibration, beside the rows of its table. What was measured is for the user to enter.
+const EXAMPLES = [["source"], ["material", "youngs_modulus_gpa"], ["material", "youngs_modulus_std_gpa"],
+  ["material", "density_g_cm3"], ["surface", "persson_rms_slope"], ["specimen", "radius_mm"]];
 
 function begin(root, label, action, value, onName) {
   const failed = h("div", {});
@@ -23,8 +27,12 @@ async function choose(paths, page) {
 /// Form that writes the folder of a new material and chooses it.
 export function startMaterial(root) {
   begin(root, "Name of a new material", "Start a material", "my-material", async (name) => {
+    const path = `${name}/calibration.toml`;
     await make(["new", "calibration", name]);
-    await choose({ calibration: `${name}/calibration.toml` }, "material");
+    await edit(path, [{ at: ["name"], value: name.split("/").pop() }, ...EXAMPLES.map((at) => ({ at, value: null }))]);
+    const table = await load(`${name}/flat.csv`);
+    await save(table.path, table.text.replace(/^\d.*\n/gm, ""), table.digest);
+    await choose({ calibration: path }, "material");
   });
 }
 
@@ -42,11 +50,13 @@ export function startDesign(root) {
   begin(root, "Name of a new design", "Start a design", "my-design", async (name) => {
     const path = name.endsWith(".toml") ? name : `${name}.toml`;
     await make(["new", "design", path]);
+    const edits = [{ at: ["name"], value: stem(path) }];
     if (state.calibration) {
       const condition = await firstCondition(state.calibration).catch(() => null);
-      const material = { at: ["material"], value: relative(parent(path), state.calibration) };
-      await edit(path, [material, ...(condition ? [{ at: ["condition"], value: condition }] : [])]);
+      edits.push({ at: ["material"], value: relative(parent(path), state.calibration) });
+      if (condition) edits.push({ at: ["condition"], value: condition });
     }
+    await edit(path, edits);
     await choose({ design: path }, "target");
   });
 }
