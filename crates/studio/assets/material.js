@@ -121,15 +121,21 @@ function drawMap(root, doc, signal) {
       view.replaceChildren(h("p", { class: "mapview" }, h("img",
         { src: fileUrl(`${out}/map.svg`), alt: `Heights of ${path}` })), numbers);
     };
-    const use = button("Use for the area law", () => edit(doc.path,
-      [{ at: ["surface", "map"], value: relative(folder, path) },
-      { at: ["surface", "persson_rms_slope"], value: null }]).catch(() => {}));
+    const command = () => ["surface", path, "-o", out, ...flags];
+    // A map that cannot be read is not used.
+    const use = jobButton("Use for the area law", command, async () => {
+      const text = `Was ${relative(folder, path)} measured, or made by a computation? Results say so.`;
+      const answer = await ask("Where is the map from?", text, ["It was measured", "It is synthetic"]);
+      if (answer < 0) return;
+      await edit(doc.path, [{ at: ["surface", "map"], value: relative(folder, path) },
+        { at: ["surface", "synthetic"], value: answer === 1 || null },
+        { at: ["surface", "persson_rms_slope"], value: null }]).catch(() => {});
+    }, signal);
     showMap();
-    const look = jobButton("Look at the map", () => ["surface", path, "-o", out, ...flags],
-      () => loadFolder().then(showMap), signal);
+    const look = jobButton("Look at the map", command, () => loadFolder().then(showMap), signal);
     return h("section", { class: "card" }, heading(relative(folder, path), 3),
       isUsed ? h("p", {}, surface.synthetic ? "In use for the area law; synthetic." : "In use for the area law.")
-        : h("p", {}, use), look, view);
+        : use, look, view);
   });
   root.replaceChildren(h("div", { class: "start" }, cards));
 }
