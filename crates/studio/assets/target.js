@@ -4,7 +4,7 @@ import { edit, load, materialName, ofKind, on, schema, state } from "./api.js";
 import { drawExplorer } from "./explorer.js";
 import { drawForm, drawSummary, parseNumbers } from "./form.js";
 import { startDesign } from "./start.js";
-import { band, targetPlot } from "./targetplot.js";
+import { targetPlot } from "./targetplot.js";
 import { button, h, heading, newId, parent, relative, short } from "./ui.js";
 
 const MODES = {
@@ -48,6 +48,7 @@ function targetTable(path, getTarget, onEdit) {
   const root = h("div", {});
   const write = (edits) => onEdit(edits.map(([key, value]) => ({ at: ["target", key], value })));
   let drawn = null;
+  let last = {};
   let fields = [];
   /// Field of a number; `labelOf(target)` and `valueOf(target)` give what it shows.
   const input = (labelOf, valueOf, focusKey, change) => {
@@ -82,15 +83,23 @@ function targetTable(path, getTarget, onEdit) {
     write([["pressure_mpa", [...target.pressures, next]], ...longer]);
   };
   const setMode = (target, mode) => {
-    const ends = target.pressures.map((_, i) => band(target, i).map((end, side) => end ?? (side ? 0.9 : 0.8)));
-    const round = (one) => Number(one.toFixed(4));
-    const filled = { value: ends.map(([low, high]) => round((low + high) / 2)), lowest: ends.map(([low]) => round(low)),
-      highest: ends.map(([, high]) => round(high)), tolerance: ends.map(([low, high]) => round((high - low) / 2)) };
+    // Numbers from before a goal, and the tolerances of values, come back.
+    last = { tolerance: last.tolerance, ...(target.mode === "goal" ? last : target) };
+    const filled = target.pressures.map((_, i) => {
+      const [known, half, low, high] = KEYS.map((key) => last[key]?.[i]);
+      const isBand = low !== undefined && high !== undefined;
+      const value = known ?? (isBand ? (low + high) / 2 : low ?? high ?? 0.85);
+      const tolerance = isBand ? (high - low) / 2 : half ?? 0.05;
+      // A band about a value, or from its one end.
+      const width = mode === "band" ? (low === high ? 1 : 2) * tolerance : 0;
+      return { value, tolerance, lowest: low ?? value - width, highest: high ?? value + width };
+    });
     const { keys } = MODES[mode];
     // A goal without a band is the target itself, and goes with that kind of target.
     const goal = mode === "goal" ? (target.goal ? [] : [["goal", "lowest"]])
       : target.mode === "goal" ? [["goal", null]] : [];
-    write([...KEYS.map((key) => [key, keys.includes(key) ? filled[key] : null]), ...goal]
+    const numbers = (key) => filled.map((one) => Number(one[key].toFixed(4)));
+    write([...KEYS.map((key) => [key, keys.includes(key) ? numbers(key) : null]), ...goal]
       .filter(([key, value]) => value !== null || target[key] !== undefined));
   };
   const draw = () => {

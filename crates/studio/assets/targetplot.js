@@ -17,7 +17,7 @@ function ticks(from, to, count) {
 }
 
 /// Ends of the accepted band at pressure `i`; null where there is none.
-export function band(target, i) {
+function band(target, i) {
   const half = target.tolerance?.[i] ?? 0;
   const value = target.value?.[i];
   return value === undefined
