@@ -39,13 +39,17 @@ function branch(schema, value) {
 const isTableList = (schema) => schema.type === "array" && schema.items?.type === "object";
 
 /// Numbers as people write them: "0.95", "0,95", "0.95, 0.88", "1; 2", "[[5, 0.1], [20, 0.4]]"; null when empty.
+/// Where a list may stand, "2,5" has two meanings and is refused.
 export function parseNumbers(text, one, list) {
   const bare = text.trim();
   if (bare === "") return null;
   if (bare.startsWith("[[")) return JSON.parse(bare);
   const inner = bare.replace(/^\[|\]$/g, "").trim();
-  const isDecimalComma = one && !inner.includes(".") && /^-?\d+,\d+$/.test(inner) && (!list || inner.startsWith("0,"));
-  const separator = /;/.test(inner) ? /;/ : /\s/.test(inner) ? /,?\s+/ : isDecimalComma ? /\s/ : /,/;
+  const hasOneComma = /^-?\d+,\d+$/.test(bare);
+  if (hasOneComma && list) {
+    throw new Error(`One number or two? Write ${bare.replace(",", ".")} or ${bare.replace(",", "; ")}.`);
+  }
+  const separator = /;/.test(inner) ? /;/ : /\s/.test(inner) ? /,?\s+/ : hasOneComma ? /\s/ : /,/;
   const numbers = inner.split(separator).map((part) => Number(part.trim().replace(",", ".") || NaN));
   if (numbers.some(Number.isNaN)) throw new Error("Enter a number, such as 0.95.");
   if (numbers.length === 1 && one) return numbers[0];
