@@ -29,7 +29,8 @@ async function request(method, path, params, body, type = "application/json") {
   try {
     response = await fetch(path + query, init);
   } catch {
-    throw Object.assign(new Error("The studio does not answer. Is its window still open?"), { status: 0 });
+    const words = "The studio does not answer, and nothing is saved. Start it again: it opens a new page.";
+    throw Object.assign(new Error(words), { status: 0 });
   }
   const text = await response.text();
   let data;
@@ -199,5 +200,5 @@ export function listen() {
   events.addEventListener("job", (event) => {
     keepJob(JSON.parse(event.data));
   });
-  events.addEventListener("error", () => say("The studio does not answer. Trying again."));
+  events.addEventListener("error", () => say("The studio does not answer. Nothing is saved. Trying again."));
 }

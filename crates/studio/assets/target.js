@@ -5,7 +5,7 @@ import { drawExplorer } from "./explorer.js";
 import { drawForm, drawSummary, parseNumbers } from "./form.js";
 import { startDesign } from "./start.js";
 import { targetPlot } from "./targetplot.js";
-import { button, h, heading, newId, parent, relative, short } from "./ui.js";
+import { alert, button, h, heading, newId, parent, relative, short } from "./ui.js";
 
 const MODES = {
   value: { label: "value and tolerance", keys: ["value", "tolerance"] },
@@ -44,7 +44,7 @@ function readTarget(values) {
 const asWritten = (target, key) => (target.single.has(key) ? target[key][0] : target[key]);
 
 /// Table of pressures with their numbers, and the kind of the target.
-function targetTable(path, getTarget, onEdit) {
+function targetTable(getTarget, onEdit, onFail) {
   const root = h("div", {});
   const write = (edits) => onEdit(edits.map(([key, value]) => ({ at: ["target", key], value })));
   let drawn = null;
@@ -52,14 +52,16 @@ function targetTable(path, getTarget, onEdit) {
   let fields = [];
   /// Field of a number; `labelOf(target)` and `valueOf(target)` give what it shows.
   const input = (labelOf, valueOf, focusKey, change) => {
-    const field = h("input", { type: "text", inputmode: "decimal", "data-focus": focusKey, onchange: () => {
-      try { change(parseNumbers(field.value, true, false)); field.removeAttribute("aria-invalid"); }
-      catch (error) { field.setAttribute("aria-invalid", "true"); field.title = error.message; }
+    const field = h("input", { type: "text", inputmode: "decimal", "data-focus": focusKey, onchange: async () => {
+      try { await change(parseNumbers(field.value, true, false)); field.removeAttribute("aria-invalid"); }
+      catch (error) { field.setAttribute("aria-invalid", "true"); onFail(error); }
     } });
     const show = (target) => {
       field.setAttribute("aria-label", labelOf(target));
       // What is being typed stays.
-      if (field !== document.activeElement) field.value = short(valueOf(target), 6);
+      if (field === document.activeElement) return;
+      field.value = short(valueOf(target), 6);
+      field.removeAttribute("aria-invalid");
     };
     fields.push(show);
     return field;
@@ -69,7 +71,7 @@ function targetTable(path, getTarget, onEdit) {
       const target = getTarget();
       target[key] = target[key].with(i, value);
       target.single.delete(key);
-      write([[key, target[key]]]);
+      return write([[key, target[key]]]);
     });
   const pressure = (i) => input(() => `Pressure ${i + 1} in MPa`, (target) => target.pressures[i], `p${i}`,
     (value) => write([["pressure_mpa", getTarget().pressures.with(i, value)]]));
@@ -156,16 +158,22 @@ export async function show(root, signal) {
   const [doc, keys] = await Promise.all([load(path), schema("design")]);
   if (signal.aborted) return;
   let target = readTarget(doc.values);
-  const write = (edits) => edit(path, edits).catch(() => {});
+  const failed = h("div", {});
+  const fail = (error) => failed.replaceChildren(alert(error));
+  const write = (edits) => {
+    const saved = edit(path, edits);
+    saved.then(() => failed.replaceChildren(), fail);
+    return saved;
+  };
   const plot = targetPlot((key, i, value) => {
     if (target.single.has(key)) target[key].fill(value);
     else target[key][i] = value;
     plot.setTarget(target);
   }, (key) => write([{ at: ["target", key], value: asWritten(target, key) }]));
-  const table = targetTable(path, () => target, write);
+  const table = targetTable(() => target, write, fail);
   const [problems, top, form, explorer, choice, another] = Array.from({ length: 6 }, () => h("div", {}));
   root.append(problems, h("div", { class: "two" },
-    h("div", {}, heading(doc.values?.name ?? path), choice, plot.el, table.root, top),
+    h("div", {}, heading(doc.values?.name ?? path), choice, plot.el, failed, table.root, top),
     explorer), heading("Conditions and limits"), form,
   h("details", { class: "group" }, h("summary", {}, "Another design"), another));
   startDesign(another);
