@@ -340,6 +340,13 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
         // What there is not is not spoken of; flat friction is known.
         assert_eq!(text.contains("chance on target"), page == "explore.html", "{page}");
         assert!(page == "explore.html" || !text.contains("Hatched"), "{page}");
+        // On paper, where nothing slides, a table says what is expected where the sliders start.
+        let (_, paper) = text.split_once("<div class=\"print\">").unwrap();
+        assert!(
+            paper.contains("Where the sliders start, in µm: width ") && paper.contains("95 % of samples"),
+            "{page}"
+        );
+        assert!(paper.matches("<tr>").count() > 2, "{page}: a title and pressures");
         assert!(text.contains("\"flat_mu\":[0.27") || page == "explore.html", "{page}");
     }
     // The order in which a target lists its pressures does not matter to the sliders.

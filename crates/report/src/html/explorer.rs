@@ -7,8 +7,11 @@ use serde::Serialize;
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::optimize::{Bound, Quantity};
 use slipgrid_design::records::TargetReport;
-use slipgrid_design::results::{BELIEVED, PatternReport, VERSION};
-use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer, KnownMaterial};
+use slipgrid_design::results::{BELIEVED, PatternReport, VERSION, believed, believed_interval};
+use slipgrid_design::{
+    ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer, KnownMaterial,
+    percent as chance_words,
+};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Load;
 
@@ -226,7 +229,35 @@ pub fn exploration(found: &Explored, toml: String) -> String {
         );
     }
     Subject { task, material, pattern, explorer, report: None, flat_mu, toml }.add(&mut page);
+    if let Some(start) = printed(found) {
+        page.add(&start);
+    }
     page.finish(&task.name, VERSION)
+}
+
+/// Table of what is expected of the design at which the sliders start, in their place on paper.
+fn printed(found: &Explored) -> Option<Markup> {
+    let own = PatternReport::from(&found.pattern);
+    let read = found.predict([own.width_um, own.spacing_um, own.depth_um])?;
+    let lengths = [own.width_um, own.spacing_um, own.depth_um].map(|um| number(um, 1));
+    let rows = TargetReport::from(&found.task.target).pressure_mpa.into_iter().enumerate();
+    let expected = if found.task.target.quantity() == Quantity::Ratio { "expected ratio" } else { "expected mu" };
+    Some(html! {
+        div class="print" {
+            table {
+                caption {
+                    "Where the sliders start, in µm: " (LENGTHS[0]) " " (lengths[0]) ", " (LENGTHS[1]) " " (lengths[1]) ", " (LENGTHS[2]) " " (lengths[2])
+                    @if let Some(chance) = read.chance { "; chance on target, all pressures: " (chance_words(chance)) }
+                }
+                thead { tr { th scope="col" { "pressure in MPa" } th scope="col" { (expected) } th scope="col" { "95 % of samples" } } }
+                tbody {
+                    @for (load, pressure_mpa) in rows {
+                        tr { td { (number(pressure_mpa, 3)) } td { (believed(read.expected[load], 3)) } td { (believed_interval([read.lower_95[load], read.upper_95[load]])) } }
+                    }
+                }
+            }
+        }
+    })
 }
 
 /// Lists the points of the map, each with a button that selects the point.
