@@ -50,7 +50,11 @@ impl RunIn {
             significant(1e3 * half_s * speed_m_s, 2),
             match (peak, self.change < 0.0) {
                 (true, _) => " behind a static peak".to_owned(),
-                (false, true) => format!(", no static peak, which is over within {} mm", 1e3 * ONSET_SLIP_M),
+                (false, true) if half_s * speed_m_s > ONSET_SLIP_M => {
+                    format!(", no static peak, which is over within {} mm", 1e3 * ONSET_SLIP_M)
+                }
+                // It falls as fast, but stands below the friction in the window, or not out of the noise.
+                (false, true) => ", no static peak".to_owned(),
                 (false, false) => String::new(),
             }
         )

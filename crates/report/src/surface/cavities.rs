@@ -178,7 +178,8 @@ impl Cavities {
     fn depth_warning(&self) -> Option<String> {
         let is_unknown = matches!(self.0.rim.unknown, Some(RimUnknown::NoLand | RimUnknown::Misfit));
         (is_unknown && self.0.depth.is_some()).then(|| {
-            "depths count from what lies a third of a width to a width beside the cavities, which is not known to be land: rims              there, whose height is not known, make them too great"
+            "depths count from what lies a third of a width to a width beside the cavities, which is not known to be land: rims \
+             there, whose height is not known, make them too great"
                 .to_owned()
         })
     }

@@ -103,7 +103,7 @@ impl SplitNumbers {
             return Ok(());
         }
         Err(ReadError::Refused(format!(
-            "every second of the {} columns has whole numbers of {} digits, as where commas both delimit numbers and are decimal \
+            "every second of the {} columns has whole numbers of length {}, as where commas both delimit numbers and are decimal \
              (\"112,3,98,7\"): expected decimal points, or semicolons, tabs or blanks between the numbers",
             2 * self.unequal.len(),
             self.digits.unwrap_or_default()
