@@ -251,8 +251,8 @@
       for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column++) {
         const cell = row * COLUMNS + column, from = BESIDE * cell;
         [at[h], at[v]] = [hs[column], vs[row]];
-        const [logPeak, height, face, logSeconds, least] = sides.slice(from, from + BESIDE);
-        Object.assign(side, { peak: Math.exp(logPeak), height, face, seconds: Math.exp(logSeconds), least });
+        const [logPeak, height, face, logSeconds, ratio] = sides.slice(from, from + BESIDE);
+        Object.assign(side, { peak: Math.exp(logPeak), height, face, seconds: Math.exp(logSeconds), least: ratio });
         let isOn = hasTarget;
         for (let load = 0; isOn && load < all_loads; load++) isOn = isWithin(values[cell * all_loads + load], load);
         const tones = colours[isOn ? "on" : "off"][Math.round(LEVELS * (rank[cell] - least) / Math.max(most - least, 1e-9))];
