@@ -102,7 +102,8 @@ export function outdated(path, result, advice, signal) {
     if (!has(result) || files === seen) return;
     seen = files;
     const { changed } = await get("/api/changed", { path, result }).catch(() => ({}));
-    if (!changed) return;
+    // An answer may be late: another one was asked for since.
+    if (!changed || files !== seen) return;
     const words = `${changed.join(", ")} changed after the run of this result began. ${advice}`;
     note.replaceChildren(...(changed.length ? [h("p", { class: "note" }, words)] : []));
   };
