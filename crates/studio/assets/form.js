@@ -128,11 +128,13 @@ export function drawForm(root, doc, schema, groups, signal) {
     const message = h("p", { class: "message", id: `${id}-message` });
     const change = async () => {
       let value;
-      try { value = read(); } catch (error) { return show(error.message); }
+      try { value = read(); } catch (error) { return refuse(error); }
+      own.isRefused = false;
       const old = valueAt(values, at);
       if (JSON.stringify(value) === JSON.stringify(old ?? null)) return show("");
-      await edit(path, [{ at, value }]).catch((error) => show(error.message));
+      await edit(path, [{ at, value }]).catch(refuse);
     };
+    const refuse = (error) => { own.isRefused = true; show(error.message); };
     const show = (text) => {
       message.textContent = text;
       if (text) input.setAttribute("aria-invalid", "true");
@@ -145,7 +147,8 @@ export function drawForm(root, doc, schema, groups, signal) {
     if (input.tagName === "FIELDSET") input.setAttribute("aria-labelledby", name.id);
     if (isRequired) name.append(h("span", { class: "quiet" }, " (required)"));
     const entry = h("div", { class: "entry" }, input, unit && h("span", { class: "unit" }, unit), list);
-    fields.push({ at, input, set, show });
+    const own = { at, input, set, show, isRefused: false };
+    fields.push(own);
     return h("div", { class: "field" }, name, entry, h("p", { class: "help", id: `${id}-help` }, help(part)), message);
   };
 
@@ -224,7 +227,8 @@ export function drawForm(root, doc, schema, groups, signal) {
     const now = JSON.stringify(groups.map(({ at }) => shape(valueAt(values, at))));
     if (now !== outline) { draw(); outline = now; }
     const found = [...next.check.errors, ...next.check.warnings];
-    for (const { at, input, set, show } of fields) {
+    // What was not saved stays, with the reason.
+    for (const { at, input, set, show } of fields.filter((field) => !field.isRefused)) {
       if (input !== document.activeElement || input.tagName !== "INPUT"
         || input.type === "checkbox") set(valueAt(values, at));
       const own = found.filter((item) => normal(item.key) === at.join("."));

@@ -58,10 +58,10 @@ function targetTable(getTarget, onEdit, onFail) {
     } });
     const show = (target) => {
       field.setAttribute("aria-label", labelOf(target));
-      // What is being typed stays.
-      if (field === document.activeElement) return;
-      field.value = short(valueOf(target), 6);
-      field.removeAttribute("aria-invalid");
+      // What is being typed stays, and what was not saved.
+      if (field !== document.activeElement && !field.hasAttribute("aria-invalid")) {
+        field.value = short(valueOf(target), 6);
+      }
     };
     fields.push(show);
     return field;
