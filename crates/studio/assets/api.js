@@ -186,9 +186,11 @@ export function listen() {
   };
   const reload = async () => {
     await loadFolder();
-    for (const path of documents.keys()) {
+    for (const [path, known] of documents) {
       if (!has(path)) documents.delete(path);
-      else get("/api/text", { path }).then((doc) => doc.digest !== documents.get(path)?.digest && keep(doc), () => {});
+      // A text that is newer than this answer stays.
+      else get("/api/text", { path }).then((doc) => doc.digest !== known.digest && documents.get(path) === known
+        && keep(doc), () => {});
     }
   };
   events.addEventListener("hello", async () => {
