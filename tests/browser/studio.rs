@@ -209,10 +209,10 @@ fn works(page: &mut dyn Page, folder: &Path) {
     enter(page, "Name of a new design", "seal");
     press(page, "Start a design");
     wait(page, "document.querySelectorAll('[role=slider]').length > 1");
-    let before = file("seal.toml");
     page.ask("document.querySelector('[role=slider]').focus()");
     page.ask("document.querySelector('[role=slider]').dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowDown', bubbles: true }))");
-    until(|| file("seal.toml") != before);
+    until(|| file("seal.toml").contains("value = [0.945, 0.88]"));
+    wait(page, "document.querySelector('[data-focus=value0]').value === '0.945'");
     assert!(file("seal.toml").contains("# one number, or one per pressure"), "comments are lost");
     // Another kind of target keeps the numbers; a comma of two meanings is refused.
     let target = |key: &str| {
