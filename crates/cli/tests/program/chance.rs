@@ -1,7 +1,6 @@
 //! The chance that a cut sample is on target: every command gives the same number, and the advice follows from it.
 
 use crate::common::{Place, free, number, optimized, short, trusted};
-use serde_json::Value;
 
 const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 6.0\nspacing_std_um = 1.0\ndepth_std_um = 0.2\n";
 const MODULUS: &str = "density_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.08\n";
@@ -113,16 +112,15 @@ fn a_target_above_the_flat_surface_is_not_answered_by_a_pattern() {
     let (told, found) = optimized(&place, "above.toml", 0);
     assert!(told.contains("no texture is expected to lie within it, but before any trial"), "{told}");
     assert_eq!(found["advice"], "trial");
-    for file in ["highest.toml", "flat.toml"] {
+    // Ratios of the flat surface are even by nature.
+    for file in ["highest.toml", "flat.toml", "even.toml"] {
         let (told, found) = optimized(&place, file, 3);
         assert!(told.contains("do not texture: the flat surface is what is asked for"), "{told}");
         assert_eq!(found["advice"], "do_not_texture", "{file}");
     }
     let page = place.read("out/highest/report.html");
     assert!(page.contains("Do not texture: the flat surface is what is asked for"));
-    // An even one is sought among textures, and the flat surface does not do what is demanded beside the goal.
-    let (_, found) = optimized(&place, "even.toml", 0);
-    assert_eq!((&found["advice"], &found["chance"]), (&"trial".into(), &Value::Null));
+    // The flat surface does not do what is demanded beside the goal.
     let (_, found) = optimized(&place, "beside.toml", 0);
     assert_eq!((&found["advice"], &found["goal"]["goal"]), (&"trial".into(), &"highest".into()));
     assert!(number(&found["expected"][0]["median"]) <= 0.93 && number(&found["chance"]) >= 0.5, "{found}");

@@ -98,8 +98,8 @@ fn a_modulus_in_megapascals_is_named_before_anything_runs() {
             .contains("warning: c.toml:4: material.youngs_modulus_gpa: 48 is unusual: solids lighter than 1.4 g/cm3"),
         "{refused}"
     );
-    let said = "error: flat.csv:2: (11.8 N, 10 mm/s, 41 %): 10 mm/s is too fast at 0.15 MPa with E = 48 GPa; expected speed_mm_s of at most \
-                1.9, or youngs_modulus_gpa of at most 1.8 (in MPa, that would be 0.048 GPa)";
+    let said = "error: flat.csv:2: (11.8 N, 10 mm/s, 41 %): 10 mm/s is too fast at 0.15 MPa with E = 48 GPa; expected force_n of at least 60, \
+                speed_mm_s of at most 1.9, or youngs_modulus_gpa of at most 1.8 (in MPa, that would be 0.048 GPa)";
     assert!(refused.contains(said), "{refused}");
 }
 

@@ -41,12 +41,12 @@ fn a_trial_moves_what_is_expected_and_says_what_to_do() {
         ("without.toml", &of(near, "")),
         ("with.toml", &of(near, TRIAL)),
         ("met.toml", &of("value = 0.78\ntolerance = 0.02", TRIAL)),
-        // Measured at another pressure, it is no sample on target, and speaks for those nearby.
+        // Measured at a pressure near by, it is no sample on target, and speaks for similar ones.
         (
             "series.toml",
             &trusted(&of("value = 0.86\ntolerance = 0.06", ""))
                 .replace("[target]", &format!("{}[target]", TRIAL.split_once("[material.learned.prior]\n").unwrap().1))
-                .replace("pressure_mpa = [2.6]\nspeed_mm_s", "pressure_mpa = [1.3]\nspeed_mm_s")
+                .replace("pressure_mpa = [2.6]\nspeed_mm_s", "pressure_mpa = [1.9]\nspeed_mm_s")
                 .replace("[0.783]", "[0.87]"),
         ),
     ]);

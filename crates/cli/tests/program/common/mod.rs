@@ -217,10 +217,13 @@ pub fn optimized(place: &Place, file: &str, code: i32) -> (String, Value) {
     (String::from_utf8(output.stdout).unwrap(), result(place, &folder))
 }
 
-/// Names and contents of all files of a folder, unfinished ones included, except those that depend on time.
+/// Names and contents of all files of a folder, except those that depend on time, with unfinished files and folders.
 pub fn untimed(place: &Place, folder: &str) -> Vec<(String, Vec<u8>)> {
     let folder = place.path(folder);
-    let read = |name: String| (name.clone(), fs::read(folder.join(&name)).unwrap());
+    let read = |name: String| {
+        let path = folder.join(&name);
+        (name, if path.is_dir() { Vec::new() } else { fs::read(path).unwrap() })
+    };
     names(&folder).into_iter().filter(|name| name != "timings.json").map(read).collect()
 }
 
