@@ -6,6 +6,7 @@
 //!   -> solve the best as cut (specimen's ends, tilt, time); correct the table -> repeat until the best is as cut
 //! ```
 
+mod progress;
 mod ranking;
 
 use std::sync::Arc;
@@ -18,9 +19,9 @@ use slipgrid_infer::discrepancy::{Features, Predictor};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, TILT_RELATIVE_ERROR};
 
+use self::progress::Progress;
 use crate::as_cut::{BeyondCells, CutTexture, Known};
 use crate::band::Asked;
-use crate::between_designs::BetweenDesigns;
 use crate::confirmation::{confirming_scene, run_in_time};
 use crate::evaluation_cache::Answer;
 use crate::inputs::{InputEffect, Inputs, Part, percent};
@@ -97,48 +98,6 @@ pub struct Found {
     pub compared: usize,
     /// Whether some texture has accepted medians at every load.
     pub is_within_reach: bool,
-}
-
-/// State of a running search in addition to the table.
-#[derive(Default)]
-struct Progress {
-    /// Textures solved by the model.
-    solved: Vec<Prediction>,
-    /// Solved textures; those not solved as cut include the interpolated effect of the specimen's ends, pressure tilt
-    /// and time.
-    with_cutting: Vec<Prediction>,
-    /// Textures that the model cannot compute.
-    refused: Vec<Pattern>,
-    /// Error of the table in ln R, R the friction ratio, at every load, interpolated between solved textures.
-    off: BetweenDesigns,
-    /// Effect of the specimen's ends, pressure tilt and time on ln R, interpolated between textures solved as cut.
-    by_cutting: BetweenDesigns,
-    /// Logarithm of the peak pressure in the run of a specimen over that of its cell, interpolated between textures
-    /// solved as cut; empty without a limit of this pressure.
-    peak_by_run: BetweenDesigns,
-}
-
-impl Progress {
-    fn is_known(&self, design: &Pattern) -> bool {
-        let own = Features::from(design);
-        self.refused.contains(design) || self.solved.iter().any(|of| is_same(&of.texture.features, &own))
-    }
-
-    /// Peak pressure in the run of a specimen of `design` over that of its cell; 1 if no run is known.
-    fn run_over_cell(&self, design: &Pattern) -> f64 {
-        self.peak_by_run.at(design).map_or(1.0, |log| log[0].exp())
-    }
-
-    /// Covariance of ln R from errors that all samples share, taken from the solved texture nearest to `design`; empty
-    /// if there is none.
-    fn covariance(&self, design: &Pattern) -> Vec<f64> {
-        let apart = |of: &Prediction| -> f64 {
-            let lengths = design.lengths_m().into_iter().zip(of.texture.pattern.lengths_m());
-            lengths.map(|(a, b)| (a / b).ln().powi(2)).sum()
-        };
-        let nearest = self.solved.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
-        nearest.map_or_else(Vec::new, |of| of.texture.covariance.clone())
-    }
 }
 
 impl Search<'_> {

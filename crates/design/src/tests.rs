@@ -17,6 +17,7 @@ use std::sync::{LazyLock, Mutex};
 
 mod brute_force;
 mod learning;
+mod limits;
 mod several_samples;
 
 use crate::explorer::{Explorer, explore_bounds};
@@ -183,48 +184,6 @@ fn a_page_begins_with_what_is_reported_of_its_design() {
         let face = search.task.specimen.layout(best.texture.pattern).unwrap();
         assert!((beside[2] / face.areal_density() - 1.0).abs() < 1e-9, "{beside:?}");
     });
-}
-
-/// The outer lands of a specimen carry a higher pressure than the cell: a limit between both is broken by the run.
-#[test]
-fn a_limit_that_only_the_run_of_the_best_breaks_is_kept_by_another_texture() {
-    let mut task = three_tasks()[1].clone();
-    let best = |search: &Search<'_>| {
-        let best = search.best(&|_| true, 1).solved.remove(0);
-        let cell_pa = search.models.own.steady(&best.texture.pattern).unwrap().peak_pressure_pa();
-        (best.texture.excess, best.texture.pattern, cell_pa, best.texture.run.unwrap().peak_pressure_pa())
-    };
-    let (_, free, cell_pa, run_pa) = searched(&task, best);
-    assert!(run_pa > 1.01 * cell_pa, "{run_pa} {cell_pa}");
-    let limit_pa = (run_pa * cell_pa).sqrt();
-    task.constraints.quantities.push(ConstraintQuantity::PeakPressure.limited_to(limit_pa));
-    let (excess, kept, _, run_pa) = searched(&task, best);
-    assert!(kept != free && excess == 0.0 && run_pa <= limit_pa, "{excess} {kept:?} {run_pa} {limit_pa}");
-}
-
-/// Runs exceed the peak pressure of their cells by factors that differ between textures: the search goes on from those
-/// that break the limit, and a texture that keeps a lower limit keeps a higher one.
-#[test]
-fn a_higher_limit_of_the_peak_pressure_never_loses_the_textures_of_a_lower_one() {
-    let mut task = task(Planform::Groove);
-    task.space = DesignSpace::new(Planform::Groove, [40e-6, 120e-6], [40e-6, 400e-6], [2e-6, 10e-6]).unwrap();
-    task.specimen.outline = Outline::Disc { diameter_m: 2e-3 };
-    let demands = [1.3e6, 2.6e6].map(|pressure_pa| Demand {
-        pressure_pa,
-        wanted: Accepted::AtMost { highest: 0.8, margin: 0.01 },
-        weight: 1.0,
-    });
-    task.target = Target::of(Quantity::Ratio, demands.to_vec(), None).unwrap();
-    let found = [4.6e6, 5.0e6, 5.5e6, 6.0e6].map(|limit_pa| {
-        task.constraints.quantities = vec![ConstraintQuantity::PeakPressure.limited_to(limit_pa)];
-        searched(&task, |search| {
-            let best = search.best(&|_| true, 1).solved.remove(0);
-            (best.texture.excess, best.chance())
-        })
-    });
-    assert!(found.iter().all(|(excess, _)| *excess == 0.0), "{found:?}");
-    // To what the effects of the specimen on other textures leave open.
-    assert!(found.windows(2).all(|pair| pair[1].1 > pair[0].1 - 0.03), "{found:?}");
 }
 
 #[test]

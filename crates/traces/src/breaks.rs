@@ -10,7 +10,7 @@ use crate::{FLAGGED_DRIFT, zero::MIN_OFFSET};
 /// Number of parts into which the window is cut.
 const PARTS: usize = 20;
 /// Number of parts that a break may touch. Stick-slip has at least one slip more.
-const MOST_PARTS_OF_BREAKS: usize = 3;
+const MAX_BROKEN_PARTS: usize = 3;
 /// Minimum ratio of the change at a break to the largest change in the part after the ones that breaks may touch. Of
 /// 24 000 windows of white and correlated noise and of stick-slip, in a test, fewer than one in a thousand reaches it.
 const MIN_RATIO: f64 = 4.0;
@@ -69,7 +69,7 @@ fn lone_change(values: &[f64], length: usize) -> Option<usize> {
     largest.sort_by(|a, b| b.total_cmp(a));
     // Rounded signals may not change at all in most parts.
     let step = changes.iter().copied().filter(|change| *change > 0.0).reduce(f64::min)?;
-    let usual = largest.get(MOST_PARTS_OF_BREAKS)?.max(step);
+    let usual = largest.get(MAX_BROKEN_PARTS)?.max(step);
     (largest[0] > MIN_RATIO * usual).then(|| highest(&changes, 0..changes.len()) * stride + length)
 }
 

@@ -66,21 +66,6 @@ fn sectors_of_one_disc_hold_what_is_chosen_for_them() {
     );
 }
 
-#[test]
-fn limits_that_nothing_keeps_are_named_with_each_sample() {
-    let mut task = task(Planform::Groove);
-    let highest_pa = task.pressures_pa().into_iter().fold(0.0, f64::max);
-    task.constraints.quantities.push(ConstraintQuantity::PeakPressure.limited_to(1.001 * highest_pa));
-    let next = |options: NextOptions| next_trials(&task, &options, &*KNOWN);
-    let found = next(NextOptions { count: 1, ..NextOptions::default() }).unwrap().report;
-    assert_eq!((&*found.advice, found.samples[0].violations.len()), ("cannot_be_met", 1));
-    assert!(found.text().contains(&format!("! next: {}", found.samples[0].violations[0])), "{}", found.text());
-    for (count, one_disc, learn) in [(3, true, false), (2, false, true)] {
-        let refused = next(NextOptions { count, one_disc, learn, ..NextOptions::default() }).unwrap_err().to_string();
-        assert!(refused.contains("fits on a sector keeps all limits"), "{refused}");
-    }
-}
-
 /// Tests that samples of one disc share an error: the larger the disc error, the less a further sector helps.
 #[test]
 fn the_chance_of_one_of_several_counts_what_one_disc_is_off_by() {

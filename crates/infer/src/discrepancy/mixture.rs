@@ -174,43 +174,6 @@ impl Discrepancy {
         Predictor::new(&self.basis, &self.members, loads, shares)
     }
 
-    /// Loads at which the trials share an error of the flat sample.
-    pub fn flat_loads(&self) -> &[Load] {
-        &self.basis.flat
-    }
-
-    /// Relative standard error of the flat sample at each of [`Self::flat_loads`], as the first trial states it.
-    fn flat_stds(&self) -> Vec<f64> {
-        let of = |load: &Load| self.rows().find(|(_, at)| is_same(&at.load, load) && at.flat_std > 0.0);
-        self.basis.flat.iter().map(|load| of(load).map_or(1.0, |(_, at)| at.flat_std)).collect()
-    }
-
-    /// Shares of the flat sample's errors at the loads of trials in the errors of flat friction at other loads, and the
-    /// covariance of the rest of these. `covariance` is that of the relative errors of flat friction x, first at the
-    /// other loads, `count` in number, and then at [`Self::flat_loads`].
-    ///
-    /// ```text
-    /// x_l = sum_k w_lk s_k + rest_l,     w_lk = cov(x_l, x_k) / var(s_k)
-    /// ```
-    ///
-    /// with the independent errors `s_k` of the flat sample's friction at the loads of trials, from which flat friction
-    /// was fitted. Shares that would exceed the variance of `x_l` are scaled down to it.
-    pub fn flat_shares(&self, covariance: &[Vec<f64>], count: usize) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
-        let stds = self.flat_stds();
-        let share = |own: &Vec<f64>, variance: f64| {
-            // In units of one standard deviation of each error.
-            let all: Vec<f64> = own[count..].iter().zip(&stds).map(|(own, std)| own / std).collect();
-            let square = dot(&all, &all);
-            let most = if square > variance { (variance / square).sqrt() } else { 1.0 };
-            all.into_iter().map(|own| most * own).collect::<Vec<f64>>()
-        };
-        let shares: Vec<Vec<f64>> =
-            covariance[..count].iter().enumerate().map(|(load, own)| share(own, own[load])).collect();
-        let rest = |l: usize| (0..count).map(|m| covariance[l][m] - dot(&shares[l], &shares[m])).collect();
-        let rest = (0..count).map(rest).collect();
-        (shares, rest)
-    }
-
     /// Learns from other trials with an unchanged prior.
     ///
     /// # Errors
@@ -254,8 +217,8 @@ impl Discrepancy {
     }
 
     /// Covariance of all measurements for known coefficients: scatter between discs, shared by trials of one disc; errors
-    /// of a sample's dimensions; and measurement errors. Samples without a stated scatter have `scatter`. `discrepancy_by` is the change of the discrepancy at a row by a shift of
-    /// its trial's dimensions.
+    /// of a sample's dimensions; and measurement errors. Samples without a stated scatter have `scatter`.
+    /// `discrepancy_by` is the change of the discrepancy at a row by a shift of its trial's dimensions.
     pub(crate) fn noise(&self, scatter: f64, discrepancy_by: &dyn Fn(usize, &DimensionShift) -> f64) -> Vec<f64> {
         let rows: Vec<(usize, &Measured)> = self.rows().collect();
         let n = rows.len();

@@ -52,6 +52,7 @@
 
 mod error;
 mod features;
+mod flat_friction;
 mod form;
 mod hyperparameters;
 mod identified;

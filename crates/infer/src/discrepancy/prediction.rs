@@ -2,6 +2,7 @@
 
 use slipgrid_base::statistics::{mixture_quantile, normal_probability};
 
+use crate::discrepancy::flat_friction::{PreparedFlat, conditional};
 use crate::discrepancy::mixture::Member;
 use crate::discrepancy::residual::Place;
 use crate::discrepancy::rows::{Basis, GLOBALS};
@@ -58,21 +59,6 @@ struct Prepared {
     residual: Vec<Vec<f64>>,
     /// Flat friction; `None` for predictions of ratios.
     flat: Option<PreparedFlat>,
-}
-
-/// Error of flat friction as known from the trials, of a member prepared for the loads: F_l = L^-1 w_l, with the shares
-/// `w_l` of the flat sample's errors at load l.
-#[derive(Clone, Debug)]
-struct PreparedFlat {
-    /// Posterior mean, one per load.
-    mean: Vec<f64>,
-    /// F_l, without the entries of the flat sample's own errors.
-    f: Vec<Vec<f64>>,
-    /// Products F_l F_m, loads x loads.
-    ff: Vec<f64>,
-    /// Products F_l F_m of the entries of the flat sample's own errors, loads x loads: the covariance given all other
-    /// coefficients.
-    ff_given_rest: Vec<f64>,
 }
 
 /// Unknowns that a prediction takes as known.
@@ -140,26 +126,8 @@ impl Predictor {
                 column(basis.globals()[global]).iter().map(|entry| std * entry).collect::<Vec<f64>>()
             };
             let e: [Vec<f64>; GLOBALS] = std::array::from_fn(scaled);
-            let of_flat = || {
-                let f = |row: usize| {
-                    let of_load = move |share: &Vec<f64>| dot(&member.inverse[row * p..][..=row.min(flat - 1)], share);
-                    shares.iter().map(of_load)
-                };
-                // All entries, row by row: those of the flat sample's own errors first.
-                let all: Vec<Vec<f64>> = (0..p).map(|row| f(row).collect()).collect();
-                let n = shares.len();
-                let products = |rows: &[Vec<f64>]| -> Vec<f64> {
-                    (0..n * n).map(|e| rows.iter().map(|row| row[e / n] * row[e % n]).sum()).collect()
-                };
-                PreparedFlat {
-                    mean: shares.iter().map(|share| dot(share, &member.mean)).collect(),
-                    f: (0..n).map(|load| all[flat..].iter().map(|row| row[load]).collect()).collect(),
-                    ff: products(&all),
-                    ff_given_rest: products(&all[..flat]),
-                }
-            };
             Prepared {
-                flat: (flat > 0 && !shares.is_empty()).then(of_flat),
+                flat: (flat > 0 && !shares.is_empty()).then(|| PreparedFlat::new(member, [p, flat], shares)),
                 mean_of_form: rows.iter().map(|row| dot(row, &member.mean[flat..])).collect(),
                 mean_of_globals: basis.global_means(&member.mean),
                 mean_of_residual: member.mean[of_residual..].to_vec(),
@@ -313,25 +281,29 @@ impl Predictor {
             let mut mean: Vec<f64> = (0..all).map(|a| of_form[a] + dot(&g[a], &member.mean_of_globals)).collect();
             if let Some(flat) = &member.flat {
                 mean.iter_mut().zip(&rows).for_each(|(mean, (_, load))| *mean += flat.mean[*load]);
-                // v_a F_m
+                // v_a F_m, without and with the part F_l of v_a
                 let of_flat = |a: usize, m: usize| {
                     let ((of, l), f) = (rows[a], &flat.f[m]);
                     let of_globals: f64 = (0..globals).map(|k| g[a][k] * dot(&member.e[k], f)).sum();
                     let of_form = h(of) * dot(&member.b[l], f) + dot(&r[a * count..][..count], &f[first..]);
-                    (of_globals + if known == Known::Form { 0.0 } else { of_form }, flat.ff[l * n + m])
+                    let rest = of_globals + of_form;
+                    [rest, rest + flat.ff[l * n + m]]
                 };
-                let shared: Vec<Vec<(f64, f64)>> = (0..all).map(|a| (0..n).map(|m| of_flat(a, m)).collect()).collect();
-                for (a, (_, l)) in rows.iter().enumerate() {
-                    for (b, (_, m)) in rows.iter().enumerate() {
-                        covariance[a * all + b] += match known {
-                            Known::Form => flat.ff_given_rest[l * n + m],
-                            _ => shared[a][*m].0 + shared[b][*l].0 + flat.ff[l * n + m],
-                        };
-                    }
+                let is_known_form = known == Known::Form;
+                let with_flat: Vec<[f64; 2]> =
+                    (0..if is_known_form { 0 } else { all * n }).map(|e| of_flat(e / n, e % n)).collect();
+                for (e, entry) in covariance.iter_mut().enumerate() {
+                    let (a, b) = (e / all, e % all);
+                    let (l, m) = (rows[a].1, rows[b].1);
+                    *entry += if is_known_form {
+                        flat.ff_given_rest[l * n + m]
+                    } else {
+                        with_flat[a * n + m][1] + with_flat[b * n + l][0]
+                    };
                 }
                 if known == Known::Flat {
-                    let with_flat = shared.iter().flatten().map(|(rest, own)| rest + own).collect();
-                    condition(&mut covariance, with_flat, flat.ff.clone());
+                    let with: Vec<f64> = with_flat.iter().map(|[_, with]| *with).collect();
+                    covariance = conditional(&covariance, &with, &flat.ff);
                 }
             }
             Component { form: member.member.form, weight: member.member.weight, mean, covariance }
@@ -368,32 +340,6 @@ impl Predictor {
         let row = |row: usize| &factors[row * n..][..n];
         let shared: Vec<f64> = (0..all * all).map(|entry| dot(row(entry / all), row(entry % all))).collect();
         self.predicted(samples, Known::Nothing).with(&shared)
-    }
-}
-
-/// Turns the `covariance` of values v into that given other values z, with their covariances `with` each other (v x z)
-/// and `own` (z x z), which may be singular: cov(v, v) - cov(v, z) cov(z, z)^-1 cov(z, v), by eliminating one z after the
-/// other.
-fn condition(covariance: &mut [f64], mut with: Vec<f64>, mut own: Vec<f64>) {
-    let n = own.len().isqrt();
-    let all = with.len() / n;
-    for z in 0..n {
-        let pivot = own[z * n + z];
-        // What the values before determine, within rounding.
-        if pivot <= 1e-20 {
-            continue;
-        }
-        let (column, row): (Vec<f64>, Vec<f64>) =
-            ((0..all).map(|a| with[a * n + z]).collect(), (0..n).map(|m| own[z * n + m]).collect());
-        for a in 0..all {
-            for b in 0..all {
-                covariance[a * all + b] -= column[a] * column[b] / pivot;
-            }
-            (0..n).for_each(|m| with[a * n + m] -= column[a] * row[m] / pivot);
-        }
-        for l in 0..n {
-            (0..n).for_each(|m| own[l * n + m] -= row[l] * row[m] / pivot);
-        }
     }
 }
 

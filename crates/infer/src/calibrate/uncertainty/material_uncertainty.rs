@@ -1,6 +1,7 @@
 //! Uncertainty of a material's numbers: standard errors of its coefficients, of Young's modulus, of the area law's
 //! scale, and the error of the model for patterned samples.
 
+use slipgrid_base::statistics::cholesky::dot;
 use slipgrid_model::material::{AreaLaw, Condition, MaterialError, between};
 use slipgrid_model::springblock::Load;
 
@@ -94,28 +95,14 @@ impl MaterialUncertainty {
                     && of.condition.is_none_or(|own| Condition::is_same(Some(&own), Some(&condition(load))))
             })
         };
-        let fitted: Vec<usize> = (0..flat.len()).filter(|k| is_fitted(&flat[*k])).collect();
-        let all_pa: Vec<f64> =
-            pressures_pa.iter().copied().chain(fitted.iter().map(|k| flat[*k].pressure_pa)).collect();
-        let of_fitted = fitted.iter().map(|k| Some(condition(&flat[*k])));
-        let all: Vec<Option<Condition>> = conditions.iter().copied().chain(of_fitted).collect();
-        let grid = self.friction_covariance(&all_pa, &all)?;
-        // Of every pressure at every condition: those asked for, and each trial's pressure at its own condition.
-        let count = conditions.len() * pressures_pa.len();
-        let place = |of: usize, at: usize| of * all_pa.len() + at;
-        let mut places: Vec<Option<usize>> = vec![None; count + flat.len()];
-        for (asked, own) in places[..count].iter_mut().enumerate() {
-            *own = Some(place(asked / pressures_pa.len(), asked % pressures_pa.len()));
-        }
-        for (k, own) in fitted.iter().enumerate() {
-            places[count + own] = Some(place(conditions.len() + k, pressures_pa.len() + k));
-        }
-        let entry = |row: &Option<usize>, column: &Option<usize>| {
-            row.zip(*column).map_or(0.0, |(row, column)| grid[row][column])
+        let of_trial = |load: &At| {
+            let own = is_fitted(load).then(|| errors(&self.friction, &[load.pressure_pa], &[Some(condition(load))]));
+            own.flatten().map_or_else(|| vec![0.0; self.friction.len()], |rows| rows.concat())
         };
-        let covariance: Covariance =
-            places.iter().map(|row| places.iter().map(|column| entry(row, column)).collect()).collect();
-        Some(learned.flat_shares(&covariance, count))
+        let mut rows = errors(&self.friction, pressures_pa, conditions)?;
+        let count = rows.len();
+        rows.extend(flat.iter().map(of_trial));
+        Some(learned.flat_shares(&of_errors(&rows), count))
     }
 
     /// Dynamic friction of the flat sample over steady friction at `pressures_pa`, interpolated linearly between
@@ -233,6 +220,21 @@ fn covariance(
     pressures_pa: &[f64],
     conditions: &[Option<Condition>],
 ) -> Option<Covariance> {
+    errors(known, pressures_pa, conditions).map(|rows| of_errors(&rows))
+}
+
+/// Covariance of values with the relative errors `rows`, in terms of independent errors of standard deviation 1.
+fn of_errors(rows: &[Vec<f64>]) -> Covariance {
+    rows.iter().map(|left| rows.iter().map(|right| dot(left, right)).collect()).collect()
+}
+
+/// Relative errors of the coefficient at `pressures_pa` for each of `conditions`, one condition after the other: one row
+/// per value, with its share in the independent error of each of the `known` coefficients. `None` as for [`shares`].
+fn errors(
+    known: &[CoefficientEstimate],
+    pressures_pa: &[f64],
+    conditions: &[Option<Condition>],
+) -> Option<Vec<Vec<f64>>> {
     let each = conditions.iter().map(|condition| shares(known, pressures_pa, condition.as_ref()));
     let rows = each.collect::<Option<Vec<Vec<Vec<f64>>>>>()?.concat();
     // The standard error for another sample between two measurements is no smaller than at them, because errors do not
@@ -247,9 +249,7 @@ fn covariance(
         let scale = if independent > 0.0 { correlated / (independent * mean(row, known)) } else { 0.0 };
         errors.into_iter().map(|error| scale * error).collect::<Vec<f64>>()
     };
-    let rows: Vec<Vec<f64>> = rows.iter().map(scaled).collect();
-    let covariance = |left: &Vec<f64>, right: &Vec<f64>| left.iter().zip(right).map(|(l, r)| l * r).sum::<f64>();
-    Some(rows.iter().map(|left| rows.iter().map(|right| covariance(left, right)).collect()).collect())
+    Some(rows.iter().map(scaled).collect())
 }
 
 /// Weights of the `known` coefficients at a pressure: linear between measurements, the nearest measurement outside
