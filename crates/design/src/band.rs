@@ -64,7 +64,7 @@ impl Asked {
         let learned = uncertainty.discrepancy().map_err(|error| DesignError::Failed(error.to_string()))?;
         let usual = usual_humidity(&learned);
         let pressures_pa = task.pressures_pa();
-        let mut bands = Vec::new();
+        let (mut bands, mut at_conditions) = (Vec::new(), Vec::new());
         for Setting { condition, sliding_angle_deg, loads } in settings {
             let excess = uncertainty.excess(&pressures_pa, condition.as_ref());
             let speed_m_s = condition.map_or(task.speed_m_s, |condition| condition.speed_m_s);
@@ -77,8 +77,10 @@ impl Asked {
                         at.flat_mu(material.area_law.as_ref()) * excess.as_ref().map_or(1.0, |excess| excess[row])
                     }
                 };
+                let load = Load { pressure_pa: at.pressure_pa, speed_m_s, humidity };
+                at_conditions.push((load, *condition));
                 bands.push(Band {
-                    load: Load { pressure_pa: at.pressure_pa, speed_m_s, humidity },
+                    load,
                     sliding_angle_deg: *sliding_angle_deg,
                     flat,
                     accepted: demand.wanted.band(),
@@ -93,12 +95,11 @@ impl Asked {
             bands.iter().map(|band| band.accepted[side].map_or(open, |end| end / band.flat)).collect()
         };
         let wanted = Wanted { lower: end(0, 0.0), upper: end(1, f64::INFINITY) };
-        let of_one = settings.len() / (1 + task.directions.different_deg.len());
-        let conditions: Vec<_> = settings[..of_one].iter().map(|setting| setting.condition).collect();
-        let is_friction = task.target.quantity() == Quantity::DynamicFriction;
-        let shared = is_friction.then(|| uncertainty.flat_shares(&learned, &pressures_pa, &conditions)).flatten();
-        let (shares, flat_rest) = shared.unzip();
         // All sliding directions have the friction of the same flat surface.
+        at_conditions.truncate(loads.len() / (1 + task.directions.different_deg.len()));
+        let is_friction = task.target.quantity() == Quantity::DynamicFriction;
+        let shared = is_friction.then(|| uncertainty.flat_shares(&learned, &at_conditions)).flatten();
+        let (shares, flat_rest) = shared.unzip();
         let flat_shares = shares.map_or_else(Vec::new, |own| own.iter().cycle().take(loads.len()).cloned().collect());
         Ok(Self { loads, wanted, goal: task.target.goal(), count, learned, bands, flat_shares, flat_rest })
     }

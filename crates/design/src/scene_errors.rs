@@ -183,8 +183,8 @@ pub fn of_scene(
     };
     let (of_ratio, factors) = corrected(&[], knowledge.flat_friction.clone());
     // Trials inform about flat friction, too: the errors that friction shares with them count with the factor.
-    let pressures_pa: Vec<f64> = scene.loads.iter().map(|load| load.pressure_pa).collect();
-    let of_friction = uncertainty.flat_shares(learned, &pressures_pa, &[condition.copied()]).map(|(shares, rest)| {
+    let at_condition: Vec<_> = places.iter().map(|place| (*place, condition.copied())).collect();
+    let of_friction = uncertainty.flat_shares(learned, &at_condition).map(|(shares, rest)| {
         let variances = rest.iter().enumerate().map(|(load, row)| row[load].max(0.0)).collect();
         corrected(&shares, Some(variances)).0
     });

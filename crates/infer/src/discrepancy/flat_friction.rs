@@ -1,6 +1,7 @@
 //! Flat friction in predictions of friction: its errors, as far as trials share and inform about them.
 
 use crate::discrepancy::mixture::{Member, is_same};
+use crate::discrepancy::rows::GLOBALS;
 use crate::discrepancy::{Discrepancy, Load};
 use slipgrid_base::statistics::cholesky::{covariance_factor, dot};
 
@@ -21,16 +22,19 @@ impl Discrepancy {
     /// other loads, `count` in number, and then at [`Self::flat_loads`].
     ///
     /// ```text
-    /// x_l = sum_k w_lk s_k + rest_l,     w_lk = cov(x_l, x_k) / var(s_k)
+    /// x_l = sum_k w_lk s_k + rest_l,     w_lk = cov(x_l, x_k) / max(var(s_k), var(x_k))
     /// ```
     ///
     /// with the independent errors `s_k` of the flat sample's friction at the loads of trials, from which flat friction
-    /// was fitted. Shares that would exceed the variance of `x_l` are scaled down to it.
+    /// was fitted. A fit that averages errors has cov(x_k, s_k) = var(x_k); one with further errors of its own has
+    /// var(s_k). Shares that would exceed the variance of `x_l` are scaled down to it.
     pub fn flat_shares(&self, covariance: &[Vec<f64>], count: usize) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
         let stds = self.flat_stds();
         let share = |own: &Vec<f64>, variance: f64| {
             // In units of one standard deviation of each error.
-            let all: Vec<f64> = own[count..].iter().zip(&stds).map(|(own, std)| own / std).collect();
+            let in_stds =
+                |(k, (own, std)): (usize, (&f64, &f64))| own * std / (std * std).max(covariance[count + k][count + k]);
+            let all: Vec<f64> = own[count..].iter().zip(&stds).enumerate().map(in_stds).collect();
             let square = dot(&all, &all);
             let most = if square > variance { (variance / square).sqrt() } else { 1.0 };
             all.into_iter().map(|own| most * own).collect::<Vec<f64>>()
@@ -49,8 +53,12 @@ impl Discrepancy {
 pub struct PreparedFlat {
     /// Posterior mean, one per load.
     pub mean: Vec<f64>,
-    /// F_l, without the entries of the flat sample's own errors.
-    pub f: Vec<Vec<f64>>,
+    /// F_l, the entries of the residual's coefficients alone.
+    pub residual: Vec<Vec<f64>>,
+    /// Products B_l F_m of the form's coefficients, loads x loads.
+    pub bf: Vec<f64>,
+    /// Products E_k F_m of modulus and local law, one entry per load.
+    pub ef: Vec<[f64; GLOBALS]>,
     /// Products F_l F_m, loads x loads.
     pub ff: Vec<f64>,
     /// Products F_l F_m of the entries of the flat sample's own errors, loads x loads: the covariance given all other
@@ -59,9 +67,15 @@ pub struct PreparedFlat {
 }
 
 impl PreparedFlat {
-    /// Prepares a member of `p` coefficients, the first `flat` of which are the flat sample's errors, for loads with the
-    /// `shares` in these.
-    pub fn new(member: &Member, [p, flat]: [usize; 2], shares: &[Vec<f64>]) -> Self {
+    /// Prepares a member of `p` coefficients, the first `flat` of which are the flat sample's errors and those from
+    /// `of_residual` on the residual's, for loads with the `shares` in these errors. `b` and `e` are B_l and E_k without
+    /// the entries of the flat sample.
+    pub fn new(
+        member: &Member,
+        [p, flat, of_residual]: [usize; 3],
+        shares: &[Vec<f64>],
+        (b, e): (&[Vec<f64>], &[Vec<f64>; GLOBALS]),
+    ) -> Self {
         let row = |row: usize| -> Vec<f64> {
             let own = &member.inverse[row * p..][..=row.min(flat - 1)];
             shares.iter().map(|share| dot(own, share)).collect()
@@ -72,9 +86,13 @@ impl PreparedFlat {
         let products = |rows: &[Vec<f64>]| -> Vec<f64> {
             (0..n * n).map(|e| rows.iter().map(|row| row[e / n] * row[e % n]).sum()).collect()
         };
+        let f = |load: usize, from: usize| -> Vec<f64> { all[from..].iter().map(|row| row[load]).collect() };
+        let beyond_flat: Vec<Vec<f64>> = (0..n).map(|load| f(load, flat)).collect();
         Self {
             mean: shares.iter().map(|share| dot(share, &member.mean)).collect(),
-            f: (0..n).map(|load| all[flat..].iter().map(|row| row[load]).collect()).collect(),
+            residual: (0..n).map(|load| f(load, of_residual)).collect(),
+            bf: b.iter().flat_map(|b| beyond_flat.iter().map(move |f| dot(b, f))).collect(),
+            ef: beyond_flat.iter().map(|f| e.each_ref().map(|e| dot(e, f))).collect(),
             ff: products(&all),
             ff_given_rest: products(&all[..flat]),
         }

@@ -72,6 +72,7 @@ pub use features::Features;
 pub use form::Form;
 pub use hyperparameters::{Conditions, Hyperparameters};
 pub use leave_out::{LeftOut, Surprise, leave_out};
+pub(crate) use mixture::is_same;
 pub use mixture::{Discrepancy, FormWeight};
 pub use next_trial::{Candidate, Score, Wanted, information};
 pub use prediction::{Component, Load, Prediction, Predictor};

@@ -127,7 +127,8 @@ impl Predictor {
             };
             let e: [Vec<f64>; GLOBALS] = std::array::from_fn(scaled);
             Prepared {
-                flat: (flat > 0 && !shares.is_empty()).then(|| PreparedFlat::new(member, [p, flat], shares)),
+                flat: (flat > 0 && !shares.is_empty())
+                    .then(|| PreparedFlat::new(member, [p, flat, of_residual], shares, (&b, &e))),
                 mean_of_form: rows.iter().map(|row| dot(row, &member.mean[flat..])).collect(),
                 mean_of_globals: basis.global_means(&member.mean),
                 mean_of_residual: member.mean[of_residual..].to_vec(),
@@ -283,10 +284,9 @@ impl Predictor {
                 mean.iter_mut().zip(&rows).for_each(|(mean, (_, load))| *mean += flat.mean[*load]);
                 // v_a F_m, without and with the part F_l of v_a
                 let of_flat = |a: usize, m: usize| {
-                    let ((of, l), f) = (rows[a], &flat.f[m]);
-                    let of_globals: f64 = (0..globals).map(|k| g[a][k] * dot(&member.e[k], f)).sum();
-                    let of_form = h(of) * dot(&member.b[l], f) + dot(&r[a * count..][..count], &f[first..]);
-                    let rest = of_globals + of_form;
+                    let (of, l) = rows[a];
+                    let of_form = h(of) * flat.bf[l * n + m] + dot(&r[a * count..][..count], &flat.residual[m]);
+                    let rest = of_form + dot(&g[a][..globals], &flat.ef[m][..globals]);
                     [rest, rest + flat.ff[l * n + m]]
                 };
                 let is_known_form = known == Known::Form;

@@ -336,6 +336,9 @@ fn friction_shares_the_flat_sample_with_the_trial() {
     let known = learned_exactly(hyper, vec![cut]);
     let (shares, rest) = known.flat_shares(&[vec![f2, f2], vec![f2, f2]], 1);
     assert!((shares[0][0] - f2.sqrt()).abs() < 1e-15 && rest[0][0].abs() < 1e-15, "{shares:?} {rest:?}");
+    // A coefficient less certain than the flat sample has further errors of its own.
+    let (less, more) = known.flat_shares(&[vec![4.0 * f2; 2], vec![4.0 * f2; 2]], 1);
+    assert!((less[0][0] - f2.sqrt()).abs() < 1e-15 && (more[0][0] - 3.0 * f2).abs() < 1e-15, "{less:?} {more:?}");
     // Prior variance p of what a sample and the trial share, and s^2 + e^2 of what they do not.
     let given = |p: f64| p - p * p / (p + s2 + e2) + s2;
     let (none, predictor) = (moduli([0.0]), known.of_friction_at(&at, &shares));

@@ -2,14 +2,12 @@
 //! scale, and the error of the model for patterned samples.
 
 use slipgrid_base::statistics::cholesky::dot;
+use slipgrid_base::statistics::extremes;
 use slipgrid_model::material::{AreaLaw, Condition, MaterialError, between};
 use slipgrid_model::springblock::Load;
 
 use super::{Covariance, InputUncertainty, ScaleError, local_law, with_scale};
-use crate::discrepancy::{Conditions, Discrepancy, DiscrepancyError, Hyperparameters, Load as At};
-
-/// Relative difference up to which two pressures count as equal.
-const SAME_PRESSURE: f64 = 1e-6;
+use crate::discrepancy::{Conditions, Discrepancy, DiscrepancyError, Hyperparameters, Load as At, is_same};
 
 /// Errors of a material's numbers, as far as its file states them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,35 +72,51 @@ impl MaterialUncertainty {
         covariance(&self.friction, pressures_pa, conditions)
     }
 
-    /// Shares of the flat sample's errors at the loads of trials in the error of flat friction at `pressures_pa` for each
-    /// of `conditions`, and the covariance of the rest, as [`Discrepancy::flat_shares`] gives them. `None` without
-    /// trials, without standard errors, and if friction was fitted together with the scale of the area law.
+    /// Shares of the flat sample's errors at the loads of trials in the error of flat friction at the loads `at`, each
+    /// with the condition under which the material is asked, and the covariance of the rest, as
+    /// [`Discrepancy::flat_shares`] gives them. `None` without a trial at a load to which a coefficient was fitted,
+    /// without standard errors, and if friction was fitted together with the scale of the area law.
     pub fn flat_shares(
         &self,
         learned: &Discrepancy,
-        pressures_pa: &[f64],
-        conditions: &[Option<Condition>],
+        at: &[(At, Option<Condition>)],
     ) -> Option<(Vec<Vec<f64>>, Covariance)> {
-        let flat = learned.flat_loads();
-        if flat.is_empty() || self.scale_covariance.is_some() {
+        if self.scale_covariance.is_some() {
             return None;
         }
-        let condition = |load: &At| Condition { speed_m_s: load.speed_m_s, humidity: load.humidity };
+        // A coefficient without a pressure, a speed or a humidity is that of the loads, if these have one.
+        let common = |of: fn(&At) -> f64| {
+            let [least, most] = extremes(at.iter().map(|(load, _)| of(load)));
+            (least == most).then_some(least)
+        };
+        let common = [common(|load| load.pressure_pa), common(|load| load.speed_m_s), common(|load| load.humidity)];
         // A coefficient was fitted to the flat samples of its own load alone.
         let is_fitted = |load: &At| {
             self.friction.iter().any(|of| {
-                of.pressure_pa.is_none_or(|own_pa| (own_pa / load.pressure_pa - 1.0).abs() < SAME_PRESSURE)
-                    && of.condition.is_none_or(|own| Condition::is_same(Some(&own), Some(&condition(load))))
+                let own = [
+                    of.pressure_pa,
+                    of.condition.map(|condition| condition.speed_m_s),
+                    of.condition.map(|condition| condition.humidity),
+                ];
+                let value = |number: usize, any: f64| own[number].or(common[number]).unwrap_or(any);
+                let (pressure_pa, speed_m_s) = (value(0, load.pressure_pa), value(1, load.speed_m_s));
+                is_same(load, &At { pressure_pa, speed_m_s, humidity: value(2, load.humidity) })
             })
         };
+        if !learned.flat_loads().iter().any(is_fitted) {
+            return None;
+        }
+        let errors_at =
+            |load: &At, condition| errors(&self.friction, &[load.pressure_pa], &[condition]).map(|rows| rows.concat());
         let of_trial = |load: &At| {
-            let own = is_fitted(load).then(|| errors(&self.friction, &[load.pressure_pa], &[Some(condition(load))]));
-            own.flatten().map_or_else(|| vec![0.0; self.friction.len()], |rows| rows.concat())
+            let condition = Condition { speed_m_s: load.speed_m_s, humidity: load.humidity };
+            let own = is_fitted(load).then(|| errors_at(load, Some(condition))).flatten();
+            own.unwrap_or_else(|| vec![0.0; self.friction.len()])
         };
-        let mut rows = errors(&self.friction, pressures_pa, conditions)?;
-        let count = rows.len();
-        rows.extend(flat.iter().map(of_trial));
-        Some(learned.flat_shares(&of_errors(&rows), count))
+        let asked = at.iter().map(|(load, condition)| errors_at(load, *condition));
+        let mut rows = asked.collect::<Option<Vec<_>>>()?;
+        rows.extend(learned.flat_loads().iter().map(of_trial));
+        Some(learned.flat_shares(&of_errors(&rows), at.len()))
     }
 
     /// Dynamic friction of the flat sample over steady friction at `pressures_pa`, interpolated linearly between
@@ -274,4 +288,37 @@ fn weights(known: &[&CoefficientEstimate], at_pa: f64) -> Option<Vec<f64>> {
     let t = (at_pa - low_pa) / (high_pa - low_pa);
     (weights[low], weights[high]) = (1.0 - t, t);
     Some(weights)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discrepancy::tests::{cut, groove, measured};
+    use crate::discrepancy::{Hyperparameters, Sensitivity};
+
+    /// A trial at three loads; the coefficient of the second one, as a calibration and as the scene of a design state it.
+    #[test]
+    fn friction_shares_the_flat_sample_of_its_own_load_alone() {
+        let load = |pressure_pa: f64, humidity: f64| At { pressure_pa, speed_m_s: 2e-3, humidity };
+        let loads = [load(0.65e6, 0.4), load(0.65e6, 0.8), load(1.3e6, 0.8)];
+        let at = |load: At| measured(load, -0.1, 0.01, Sensitivity::default());
+        let trial = cut("", groove(100.0, 300.0, 10.0), loads.map(at).to_vec());
+        let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.0, vec![trial]).unwrap();
+        let condition = Condition { speed_m_s: 2e-3, humidity: 0.8 };
+        let shares = |pressure_pa, of: Option<Condition>, asked: &[At]| {
+            let own = CoefficientEstimate { pressure_pa, condition: of, value: 0.25, std_error: 0.0025 };
+            let known = MaterialUncertainty { friction: vec![own], ..MaterialUncertainty::default() };
+            let asked: Vec<_> = asked.iter().map(|load| (*load, Some(condition))).collect();
+            known.flat_shares(&learned, &asked)
+        };
+        for (pressure_pa, of) in [(Some(0.65e6), Some(condition)), (Some(0.65e6), None), (None, None)] {
+            let (shares, rest) = shares(pressure_pa, of, &loads[1..2]).unwrap();
+            let is_own = shares[0].iter().zip([0.0, 0.01, 0.0]).all(|(share, own)| (share - own).abs() < 1e-12);
+            assert!(is_own && rest[0][0].abs() < 1e-12, "{shares:?} {rest:?}");
+        }
+        // No trial at the load, and one coefficient for all pressures of the condition.
+        assert!(shares(Some(2.6e6), Some(condition), &[load(2.6e6, 0.8)]).is_none());
+        let (shares, _) = shares(None, Some(condition), &loads[1..]).unwrap();
+        assert!(shares.iter().all(|own| own[0] == 0.0 && own[1] == own[2] && own[1] > 0.0), "{shares:?}");
+    }
 }
