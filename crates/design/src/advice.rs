@@ -96,7 +96,7 @@ impl Advice {
                 format!("nothing need be cut: trial {trial} already meets the target; {other} has a chance of {chance}")
             }
             Self::CannotBeMet { keeps_limits: false } => {
-                "this target cannot be met: no texture found keeps all limits as it would be cut; this one breaks them least"
+                "this target cannot be met: no texture found keeps all limits as it would be cut; of those computed so, this one breaks them least"
                     .to_owned()
             }
             Self::CannotBeMet { keeps_limits: true } => format!(

@@ -10,6 +10,7 @@ use slipgrid_laser::specimen::{SteadyOnFace, nearest_known, time_changes_on};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{RunOptions, Scene, Simulation};
 
+use crate::evaluation_cache::Answer;
 use crate::inputs::{InputEffect, Part};
 use crate::sensitivities::Modelled;
 use crate::steady_model::SteadyModel;
@@ -46,7 +47,10 @@ pub struct CutTexture {
     pub dimension_shifts: Vec<DimensionShift>,
     /// Inputs that the covariance and the shifts are composed of; empty if interpolated.
     pub parts: Vec<Part>,
-    /// Sum of the violations of limits, each relative to its limit: 0 if all limits hold.
+    /// Model's answer that limits are compared with, without ratios: that of the cell, with the peak pressure of the
+    /// specimen's run where this is higher. `None` before limits were compared.
+    pub limited: Option<Answer>,
+    /// Sum of the violations of limits by `limited`, each relative to its limit: 0 if all limits hold.
     pub excess: f64,
     /// Dynamic run of this texture; `None` if it was not run.
     pub run: Option<Arc<Simulation>>,
@@ -64,6 +68,7 @@ impl CutTexture {
             covariance: Vec::new(),
             dimension_shifts,
             parts: Vec::new(),
+            limited: None,
             excess: 0.0,
             run: None,
         }

@@ -258,7 +258,7 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division) ->
     let of_side = |(side, of): (usize, &&Search<'_>)| {
         candidates(of, options, division).into_iter().map(move |texture| (side, texture))
     };
-    let (all, unkept_by): (Vec<(usize, CutTexture)>, Vec<_>) =
+    let (all, unkept_by): (Vec<(usize, CutTexture)>, Vec<(usize, CutTexture)>) =
         searches.iter().enumerate().flat_map(of_side).partition(|(_, texture)| texture.excess == 0.0);
     let joint = |pair: [&CutTexture; SECTORS]| search.predictor.on_one_disc(&pair.map(CutTexture::candidate));
     let bits = |[a, b]: [usize; SECTORS]| joint([&all[a].1, &all[b].1]).family_bits(MEASURED_STD);
@@ -273,7 +273,10 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division) ->
     };
     let Some([start, best]) = greatest(&starts, all.len(), &bits) else {
         return Err(DesignError::Failed(match (all.len(), unkept_by.len()) {
-            (0, 1..) => unkept(std::iter::empty()),
+            (0, 1..) => {
+                let nearest = unkept_by.iter().min_by(|a, b| a.1.excess.total_cmp(&b.1.excess));
+                unkept(&nearest.map_or_else(Vec::new, |(side, texture)| searches[*side].violated_by(texture)))
+            }
             (1, _) => ONE_TEXTURE.to_owned(),
             _ => coarse(division),
         }));

@@ -182,7 +182,9 @@ impl NextReport {
         let numbered =
             |place: usize| if self.samples.len() == 1 { "next".to_owned() } else { format!("next {}", place + 1) };
         let next = self.samples.iter().enumerate().map(|(place, of)| (numbered(place), of));
-        let own = self.own.iter().map(|of| ("yours".to_owned(), of));
+        let yours =
+            |place: usize| if self.own.len() == 1 { "yours".to_owned() } else { format!("yours {}", place + 1) };
+        let own = self.own.iter().enumerate().map(|(place, of)| (yours(place), of));
         let others = self.others.iter().map(|of| ("also".to_owned(), of));
         next.chain(own).chain(others).collect()
     }

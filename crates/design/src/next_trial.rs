@@ -14,6 +14,7 @@ use crate::band::Asked;
 use crate::design_report::SCHEMA;
 use crate::learning_disc;
 use crate::next_report::{NextReport, OneDiscReport};
+use crate::optimize::Violation;
 use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::search::{Search, is_same};
@@ -127,7 +128,7 @@ fn choose(
         });
     };
     if division.is_some() && best.texture.excess > 0.0 {
-        return Err(DesignError::Failed(unkept(search.violated_by(best).iter().map(ToString::to_string))));
+        return Err(DesignError::Failed(unkept(&search.violated_by(&best.texture))));
     }
     if division.is_some() && found.solved.len() < options.count {
         let reason =
@@ -265,8 +266,8 @@ pub fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a 
 }
 
 /// Message that every design on a sector violates limits; the best one violates `limits`.
-pub fn unkept(limits: impl Iterator<Item = String>) -> String {
-    let limits: Vec<String> = limits.collect();
+pub fn unkept(limits: &[Violation]) -> String {
+    let limits: Vec<String> = limits.iter().map(ToString::to_string).collect();
     let of_best = if limits.is_empty() { String::new() } else { format!(" (the best one: {})", limits.join(", ")) };
     format!("no design found that fits on a sector keeps all limits{of_best}: expected other limits or wider bounds")
 }

@@ -235,7 +235,7 @@ impl Prediction {
             limited_by: Vec::new(),
             information_bits: tidy(self.information_bits()),
             laser_s: search.task.laser_time_s(&self.texture.pattern).map(tidy),
-            violations: search.violated_by(self).iter().map(ToString::to_string).collect(),
+            violations: search.violated_by(&self.texture).iter().map(ToString::to_string).collect(),
             is_as_cut: self.texture.known == Known::AsCut,
         }
     }

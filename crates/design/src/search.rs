@@ -11,7 +11,7 @@ mod ranking;
 
 use std::sync::Arc;
 
-use crate::optimize::{ConstraintQuantity, Limit, ModelFailure, Violation};
+use crate::optimize::{ConstraintQuantity, ModelFailure, Violation};
 use rayon::prelude::*;
 use slipgrid_base::monitor::{Monitor, Part as Share, cached};
 use slipgrid_base::units::PRESSURE_MPA;
@@ -101,36 +101,30 @@ pub struct Found {
 }
 
 impl Search<'_> {
-    /// Sum of the violations of limits by `pattern` with the model's `answer` and `peak` times its peak pressure, each
-    /// relative to its limit.
-    fn excess(&self, pattern: &Pattern, answer: &Answer, peak: f64) -> Result<f64, ModelFailure> {
-        let answer = Answer { ratio: Vec::new(), peak_pressure_mpa: peak * answer.peak_pressure_mpa, ..*answer };
-        Ok(self.violations(pattern, &answer)?.iter().map(Violation::excess).sum())
+    /// Compares `texture` with the limits by the model's `answer`.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] if the specimen does not take the pattern.
+    fn limited(&self, texture: CutTexture, answer: &Answer) -> Result<CutTexture, ModelFailure> {
+        let answer = Answer { ratio: Vec::new(), ..*answer };
+        let excess = self.violations(&texture.pattern, &answer)?.iter().map(Violation::excess).sum();
+        Ok(CutTexture { excess, limited: Some(answer), ..texture })
     }
 
     /// Lists the limits that `pattern` with the model's `answer` violates.
     ///
     /// # Errors
     /// [`ModelFailure`] if the specimen does not take the pattern.
-    pub fn violations(&self, pattern: &Pattern, answer: &Answer) -> Result<Vec<Violation>, ModelFailure> {
+    fn violations(&self, pattern: &Pattern, answer: &Answer) -> Result<Vec<Violation>, ModelFailure> {
         // The laser can cut the pattern only if some cavities fit the specimen, and not far too many do.
         self.task.specimen.check(*pattern).map_err(|error| ModelFailure::Trial(error.to_string()))?;
         Ok(self.task.constraints.violations(pattern, &self.task.limited(pattern, answer)?))
     }
 
-    /// Limits that `of` violates. The outer lands of a specimen that was run may carry a higher pressure than its cell.
-    pub fn violated_by(&self, of: &Prediction) -> Vec<Violation> {
-        if of.texture.excess == 0.0 {
-            return Vec::new();
-        }
-        let pattern = &of.texture.pattern;
-        let of_run = of.texture.run.as_ref().map_or(0.0, |run| PRESSURE_MPA.from_si(run.peak_pressure_pa()));
-        let answer = self
-            .models
-            .own
-            .steady(pattern)
-            .map(|cell| Answer { peak_pressure_mpa: cell.peak_pressure_mpa.max(of_run), ..cell });
-        answer.and_then(|answer| self.violations(pattern, &answer)).unwrap_or_default()
+    /// Limits that `texture` violates.
+    pub fn violated_by(&self, texture: &CutTexture) -> Vec<Violation> {
+        let answer = texture.limited.as_ref().filter(|_| texture.excess > 0.0);
+        answer.and_then(|answer| self.violations(&texture.pattern, answer).ok()).unwrap_or_default()
     }
 
     /// Interpolates `pattern` in the table; `None` next to a node that the model cannot compute, if cavities close
@@ -145,7 +139,8 @@ impl Search<'_> {
         let shifts = self.table.dimension_shifts(pattern, &self.task.tolerances.unwrap_or_default())?;
         let texture = CutTexture::interpolated(*pattern, modelled, shifts);
         let texture = texture.moved(&self.table.by_blocks(pattern)).moved(&self.table.by_face(pattern));
-        Some(CutTexture { excess: self.excess(pattern, &answer, peak).ok()?, ..texture })
+        let answer = Answer { peak_pressure_mpa: peak * answer.peak_pressure_mpa, ..answer };
+        self.limited(texture, &answer).ok()
     }
 
     /// Interpolates `pattern` in the table, corrected by the known errors of the table at solved textures.
@@ -164,12 +159,12 @@ impl Search<'_> {
             let Some(by) = known.by_cutting.at(pattern).filter(|_| of.texture.known < Known::AsCut) else {
                 return of.clone();
             };
-            let mut texture = of.texture.clone().moved(&by);
+            let texture = of.texture.clone().moved(&by);
             let peak = known.run_over_cell(pattern);
-            if peak != 1.0 {
-                let cell = self.models.own.steady(pattern);
-                texture.excess = cell.and_then(|cell| self.excess(pattern, &cell, peak)).unwrap_or(texture.excess);
-            }
+            let raised = |cell: &Answer| Answer { peak_pressure_mpa: peak * cell.peak_pressure_mpa, ..cell.clone() };
+            let limited = texture.limited.as_ref().filter(|_| peak > 1.0).map(raised);
+            let limited = limited.and_then(|answer| self.limited(texture.clone(), &answer).ok());
+            let texture = limited.unwrap_or(texture);
             self.predicted(texture)
         };
         let fresh: Vec<Prediction> = known.solved[known.with_cutting.len()..].par_iter().map(one).collect();
@@ -231,9 +226,8 @@ impl Search<'_> {
         }
         let parts = self.inputs.parts(pattern, &ratio, refined.map(|(_, open)| open))?;
         let answer = self.models.own.steady(pattern)?;
-        let excess = self.excess(pattern, &answer, 1.0)?;
         let texture = CutTexture::interpolated(*pattern, modelled, Vec::new()).with_parts(parts);
-        let texture = CutTexture { ratio, known: Known::Solved, excess, ..texture };
+        let texture = self.limited(CutTexture { ratio, known: Known::Solved, ..texture }, &answer)?;
         Ok(self.predicted(texture.moved(&self.table.by_face(pattern))))
     }
 
@@ -250,11 +244,19 @@ impl Search<'_> {
             let scene = confirming_scene(self.prepared, self.models.own, &pattern, false);
             let run = run_in_time(&scene, face, &Share::new(self.stage, 0.0)).ok();
             if let Some((by_run, run)) = run.and_then(|run| Some((self.beyond.by_run(&cell.ratio, &run)?, run))) {
-                let excess = cell.excess.max(self.excess_of(&run));
                 let mut parts = cell.parts.clone();
                 parts.extend(self.of_tilt(&run));
+                // The outer lands of a specimen carry a higher pressure than an infinite pattern, and stick-slip adds to it.
+                let of_run_mpa = PRESSURE_MPA.from_si(run.peak_pressure_pa());
+                let raised = |cell: &Answer| Answer {
+                    peak_pressure_mpa: cell.peak_pressure_mpa.max(of_run_mpa),
+                    ..cell.clone()
+                };
+                let limited = cell.limited.as_ref().map(raised);
                 let texture = cell.moved(&by_run).with_parts(parts);
-                return self.predicted(CutTexture { known: Known::AsCut, excess, run: Some(Arc::new(run)), ..texture });
+                let limited = limited.and_then(|answer| self.limited(texture.clone(), &answer).ok());
+                let texture = limited.unwrap_or(texture);
+                return self.predicted(CutTexture { known: Known::AsCut, run: Some(Arc::new(run)), ..texture });
             }
         }
         let (by_face, by_time) = rayon::join(
@@ -284,14 +286,9 @@ impl Search<'_> {
         })
     }
 
-    /// Relative excess of the maximum pressure of `run` over its limit; 0 without a limit. The outer lands of a
-    /// specimen carry a higher pressure than an infinite pattern, and stick-slip adds to it.
-    fn excess_of(&self, run: &Simulation) -> f64 {
-        self.peak_limit().map_or(0.0, |limit| limit.excess(run.peak_pressure_pa()).max(0.0))
-    }
-
-    fn peak_limit(&self) -> Option<&Limit> {
-        self.task.constraints.quantities.iter().find(|limit| limit.quantity == ConstraintQuantity::PeakPressure)
+    fn limits_peak(&self) -> bool {
+        let mut limits = self.task.constraints.quantities.iter();
+        limits.any(|limit| limit.quantity == ConstraintQuantity::PeakPressure)
     }
 
     /// Finds the textures of maximum value among those that the filter `open` allows: the first is solved as cut, the
@@ -342,8 +339,8 @@ impl Search<'_> {
             let found = self.as_cut(own);
             let by = found.texture.ratio.iter().zip(&own.texture.ratio).map(|(cut, solved)| (cut / solved).ln());
             known.by_cutting.learn([(pattern, by.collect())]);
-            if let Some(run) = found.texture.run.as_ref().filter(|_| self.peak_limit().is_some())
-                && let Ok(cell) = self.models.own.steady(&pattern)
+            if self.limits_peak()
+                && let Some((run, cell)) = found.texture.run.as_ref().zip(own.texture.limited.as_ref())
             {
                 let log = (run.peak_pressure_pa() / cell.peak_pressure_pa()).ln();
                 known.peak_by_run.learn([(pattern, vec![log])]);

@@ -32,9 +32,9 @@ impl Progress {
         self.refused.contains(design) || self.solved.iter().any(|of| is_same(&of.texture.features, &own))
     }
 
-    /// Peak pressure in the run of a specimen of `design` over that of its cell; 1 if no run is known.
+    /// Peak pressure in the run of a specimen of `design` over that of its cell, at least 1; 1 if no run is known.
     pub fn run_over_cell(&self, design: &Pattern) -> f64 {
-        self.peak_by_run.at(design).map_or(1.0, |log| log[0].exp())
+        self.peak_by_run.at(design).map_or(1.0, |log| log[0].exp().max(1.0))
     }
 
     /// Covariance of ln R from errors that all samples share, taken from the solved texture nearest to `design`; empty
