@@ -270,7 +270,7 @@ impl<'a> Reader<'a, '_> {
         let Some(layout) = &self.layout else { return Ok(()) };
         let width = layout.titles.len();
         // A decimal comma between commas shifts the values behind it. Instruments end rows with empty cells.
-        if cells.len() < width || cells[width..].iter().any(|cell| !cell.is_empty()) {
+        if cells.len() < width || cells[width..].iter().any(|cell| !unquoted(cell).is_empty()) {
             return Err(other_width(layout, number, cells.len()));
         }
         check_signs(layout, cells, number, &mut self.signs)?;

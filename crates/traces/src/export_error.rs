@@ -32,9 +32,11 @@ impl ExportError {
 
     /// Creates the error for a cell of `column` in line `line` that is not a number.
     pub(crate) fn cell(line: u32, column: &str, cell: &str) -> Self {
-        let expected = match cell.split(':').all(|part| part.contains(|letter: char| letter.is_ascii_digit())) {
-            true if cell.contains(':') => "seconds from the beginning, as 75.5, no time of day",
-            _ => "a number, or nothing where it was not measured",
+        let has_digit = |part: &str| part.contains(|letter: char| letter.is_ascii_digit());
+        let expected = if cell.contains(':') && cell.split(':').all(has_digit) {
+            "seconds from the beginning, as 75.5, no time of day"
+        } else {
+            "a number, or nothing where it was not measured"
         };
         Self {
             column: Some(column.to_owned()),

@@ -85,12 +85,12 @@ pub fn friction_loops(channels: &TraceChannels, position_m: &[f64], options: &Tr
 /// on each side. The range lies between the 5 % and 95 % quantiles. Of several crossings during a change the last
 /// counts.
 fn crossings(time_s: &[f64], values: &[f64]) -> Vec<usize> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let quantile = |part: f64| sorted[((sorted.len() - 1) as f64 * part).round() as usize];
     if values.is_empty() {
         return Vec::new();
     }
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let quantile = |part: f64| sorted[((sorted.len() - 1) as f64 * part).round() as usize];
     let (low, high) = (quantile(0.05), quantile(0.95));
     let (middle, far) = ((low + high) / 2.0, (high - low) / 4.0);
     let (mut found, mut side, mut crossed) = (Vec::new(), None, 0);

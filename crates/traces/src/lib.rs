@@ -304,7 +304,10 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     let broken = broken.filter(|(time_s, _)| !is_told(*time_s));
     if let Some((time_s, found)) = broken {
         flags.push(TraceFlag::Broken { signal: "friction", unit: "", time_s, found });
-    } else if window.drift.abs() > (FLAGGED_DRIFT * window.mu).max(FLAGGED_DRIFT_STDERRS * window.drift_stderr) {
+    }
+    // A jump shows as drift, too.
+    let is_jump = broken.is_some_and(|(_, found)| found.disturbed.is_none());
+    if !is_jump && window.drift.abs() > (FLAGGED_DRIFT * window.mu).max(FLAGGED_DRIFT_STDERRS * window.drift_stderr) {
         flags.push(TraceFlag::Odd(format!(
             "friction drifts by {:+.1} +- {:.1} % over the window: the mean depends on when it is taken",
             100.0 * (window.drift / window.mu),

@@ -119,7 +119,7 @@ pub fn find_run_in(time_s: &[f64], mu: &[f64], from_s: f64, window_s: [f64; 2], 
     let left: Vec<(f64, f64)> = std::iter::once((0.0, 1.0)).chain(middles).collect();
     let passed = left.iter().position(|(_, left)| *left <= 0.5)?;
     let (before, after) = (left[passed - 1], left[passed]);
-    let share = ((before.1 - 0.5) / (before.1 - after.1)).clamp(0.0, 1.0);
+    let share = (before.1 - 0.5) / (before.1 - after.1);
     let half_s = from_s + before.0 + share * (after.0 - before.0);
     Some(RunIn { change, relative: change / settled, from_s, half_s })
 }

@@ -117,7 +117,7 @@ pub fn subtract(
              expected a zero_s before touchdown, while the head hangs free"
         )));
     }
-    if let Some(ratio) = friction_of_sliding(channels, &span, inside, &zero) {
+    if let Some(ratio) = friction_of_sliding(channels, [&span, inside], &zero, median_n) {
         return Err(TraceError::Refused(format!(
             "in the zero from {from_s} to {to_s} s {zero} are read, a friction {ratio:.2} times that in the window: the sample slides \
              under load; expected a zero_s before touchdown, while the head hangs free"
@@ -139,8 +139,8 @@ pub fn subtract(
 
 /// Finds a significant sensor offset in a trace that begins before touchdown, by a rule that is equal for all loads.
 /// The first half of the time before the force reaches half of the load is used; this span is halved until it holds no
-/// part of a slow loading. `None` without such an offset, if the
-/// sample slides there under a smaller load, or if only a coefficient was recorded.
+/// part of a slow loading. `None` without such an offset, if the sample slides there under a smaller load, or if only a
+/// coefficient was recorded.
 pub fn find_offset(channels: &TraceChannels, time_s: &[f64], inside: &Range<usize>) -> Option<SensorZero> {
     let channel = zero_channel(&channels.tangential)?;
     let usual = |values: &[f64]| median(values[inside.clone()].to_vec());
@@ -157,21 +157,25 @@ pub fn find_offset(channels: &TraceChannels, time_s: &[f64], inside: &Range<usiz
         found = is_all_free.then_some((free, zero));
         end /= 2;
     }
-    let (free, zero) = found.filter(|(free, zero)| friction_of_sliding(channels, free, inside, zero).is_none())?;
+    let (free, zero) =
+        found.filter(|(free, zero)| friction_of_sliding(channels, [free, inside], zero, median_n).is_none())?;
     let is_off = |values: &[f64], mean: f64| is_offset(&values[free.clone()], mean, usual(values));
     let tangential = channels.tangential.values();
     (is_off(&channels.normal_force_n, zero.force_n) || is_off(tangential, zero.tangential)).then_some(zero)
 }
 
-/// Friction in `span` over that in the window, whose samples are `inside`, if the sample slides under load in `span`:
-/// if the force there is no longer one before touchdown, and friction is in proportion to it; `None` otherwise.
+/// Friction in `span` over that in the window, whose samples are `inside` and whose median normal force is `median_n`, if
+/// the sample slides under load in `span`: if the force there is no longer one before touchdown, and friction is in proportion to it; `None` otherwise.
 fn friction_of_sliding(
     channels: &TraceChannels,
-    span: &Range<usize>,
-    inside: &Range<usize>,
+    [span, inside]: [&Range<usize>; 2],
     zero: &SensorZero,
+    median_n: f64,
 ) -> Option<f64> {
-    let load = zero.force_n / median(channels.normal_force_n[inside.clone()].to_vec());
+    let load = zero.force_n / median_n;
+    if load.is_nan() || load < TOUCHDOWN_FRACTION {
+        return None;
+    }
     // Back and forth the mean is zero: T = sqrt(mean of T^2 - noise^2)
     let amount = |samples: &Range<usize>| {
         let values = &channels.tangential.values()[samples.clone()];
@@ -180,8 +184,7 @@ fn friction_of_sliding(
     };
     // mu_0 / mu = (T_0 / T) / (N_0 / N)
     let ratio = amount(span) / amount(inside) / load;
-    let is_alike = (1.0 / MAX_FRICTION_RATIO..=MAX_FRICTION_RATIO).contains(&ratio);
-    (load >= TOUCHDOWN_FRACTION && is_alike).then_some(ratio)
+    (1.0 / MAX_FRICTION_RATIO..=MAX_FRICTION_RATIO).contains(&ratio).then_some(ratio)
 }
 
 /// Whether `values` with the mean `mean` show a constant offset, not a rise, that exceeds the noise and is not

@@ -58,11 +58,12 @@ fn refuse_fit(
             let slip = slip.map_or_else(String::new, |slip| format!(" ({slip})"));
             let most_gpa = significant_to(most_gpa, 2, f64::floor);
             // The highest speed is proportional to the pressure.
-            let least_n = measurement.map_or(0.0, |row| row.force_n * row.speed_m_s / most_m_s);
-            let least_n = significant_to(least_n, 2, f64::ceil);
-            change = format!(
-                "force_n of at least {least_n}, speed_mm_s of at most {most_mm_s}, or youngs_modulus_gpa of at most {most_gpa}{slip}"
-            );
+            let force = measurement.map_or_else(String::new, |row| {
+                let least_n = significant_to(row.force_n * row.speed_m_s / most_m_s, 2, f64::ceil);
+                format!("force_n of at least {least_n}, ")
+            });
+            change =
+                format!("{force}speed_mm_s of at most {most_mm_s}, or youngs_modulus_gpa of at most {most_gpa}{slip}");
             &change
         }
         FitError::NotQuasiStatic { .. } => {

@@ -271,7 +271,7 @@ impl<'d> TraceReader<'d> {
         }
     }
 
-    /// Refuses the trace that is farthest from the other repeats of its condition if repeats scatter so much that a
+    /// Refuses the trace that is farthest from the median of its kind of surface if repeats scatter so much that a
     /// standard deviation, which conditions share, cannot be one of friction; `None` otherwise.
     fn scattered(
         &self,
@@ -282,15 +282,14 @@ impl<'d> TraceReader<'d> {
         let is_wide = |mean: &Repeats| mean.mu_dynamic_predictive_std() > most * mean.mu_dynamic.mean;
         let wide = found.iter().find(|traces| is_wide(&traces.mean))?;
         let alike = found.iter().zip(conditions).filter(|(own, _)| own.condition.surface == wide.condition.surface);
-        let departures = alike.flat_map(|(traces, (span, _))| {
-            let mut friction: Vec<f64> = traces.traces.iter().map(|trace| trace.findings.window.mu).collect();
-            let usual = upper_median(&mut friction).unwrap_or(f64::NAN);
-            traces.traces.iter().map(move |trace| (trace, usual, span))
-        });
-        let off = |(trace, usual, _): &(&ReadTrace, f64, _)| (trace.findings.window.mu / usual).ln().abs();
-        let (trace, usual, span) = departures.max_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let alike: Vec<(&ReadTrace, &Range<usize>)> =
+            alike.flat_map(|(traces, (span, _))| traces.traces.iter().map(move |trace| (trace, span))).collect();
+        let mut friction: Vec<f64> = alike.iter().map(|(trace, _)| trace.findings.window.mu).collect();
+        let usual = upper_median(&mut friction)?;
+        let off = |trace: &ReadTrace| (trace.findings.window.mu / usual).ln().abs();
+        let (trace, span) = alike.into_iter().max_by(|a, b| off(a.0).total_cmp(&off(b.0)))?;
         let reason = format!(
-            "has mu {:.4} in {}, of {usual:.4} in the median of its condition: repeats scatter by more than their mean",
+            "has mu {:.4} in {}, of {usual:.4} in the median of its surface: repeats scatter by more than their mean",
             trace.findings.window.mu, trace.label
         );
         let refused = Diagnostic { key: None, value: None, ..self.document.refuse(span.clone(), reason) };

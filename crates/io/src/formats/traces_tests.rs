@@ -164,6 +164,6 @@ fn a_repeat_beyond_all_others_is_refused_at_its_own_condition() {
     let conditions: Vec<(u32, &str)> = speeds.into_iter().zip(own).collect();
     let refused = read(&export, "", &conditions).unwrap_err();
     assert!(refused.starts_with("c.toml:26: has mu 2.5999"), "{refused}");
-    assert!(refused.contains("in a.csv, step 5, of 0.24") && refused.contains("`exclude`"), "{refused}");
+    assert!(refused.contains("in a.csv, step 5, of 0.23") && refused.contains("`exclude`"), "{refused}");
     assert_eq!(read(&export, "", &conditions[..4]).unwrap().len(), 2);
 }

@@ -71,7 +71,7 @@ pub(super) fn measure(
         .iter()
         .zip(&found.floors)
         .map(|(profile, floor)| {
-            let [upper_m, lower_m] = profile.crossings_m()?;
+            let [upper_m, lower_m] = Profile::crossings_m(&profile.known())?;
             let drop_m = (SHARES[1] - SHARES[0]) * floor.as_ref()?.depth_m;
             Some(libm::atan2(drop_m, upper_m - lower_m).to_degrees())
         })
@@ -104,8 +104,7 @@ impl Profile {
 
     /// Distances from the edge, in metres, at which the mean depth fraction first exceeds the greater of [`SHARES`], and
     /// last exceeds the smaller one outward of that; `None` if it does not exceed both.
-    fn crossings_m(&self) -> Option<[f64; 2]> {
-        let known = self.known();
+    fn crossings_m(known: &[[f64; 2]]) -> Option<[f64; 2]> {
         let crosses = |wanted: f64| move |pair: &[[f64; 2]]| pair[0][1] < wanted && pair[1][1] >= wanted;
         let at_m = |wanted: f64, pair: &[[f64; 2]]| {
             let part = (wanted - pair[0][1]) / (pair[1][1] - pair[0][1]);
@@ -120,14 +119,14 @@ impl Profile {
     /// Distance from the edge to the upper end of the wall, in metres: where the straight line through [`SHARES`]
     /// reaches the land, or beyond the land, up a rim, the last bin of `bin_m` on that line.
     fn top_m(&self, bin_m: f64) -> Option<f64> {
-        let [upper_m, lower_m] = self.crossings_m()?;
+        let known = self.known();
+        let [upper_m, lower_m] = Self::crossings_m(&known)?;
         // Depth fraction that the wall loses per metre outward.
         let slope = (SHARES[1] - SHARES[0]) / (upper_m - lower_m);
         let is_on_line = |[distance_m, share]: &[f64; 2]| {
             let line = SHARES[0] - slope * (distance_m - upper_m);
             (share - line).abs() <= MAX_OFF_LINE * slope * bin_m
         };
-        let known = self.known();
         let beyond = known.iter().rev().skip_while(|[distance_m, _]| *distance_m < upper_m);
         let end_m = beyond.take_while(|point| is_on_line(point)).last().map_or(upper_m, |[distance_m, _]| *distance_m);
         let land_m = upper_m + SHARES[0] / slope;

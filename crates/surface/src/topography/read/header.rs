@@ -93,13 +93,11 @@ impl Header {
             Some((word, unit)) => (word.trim(), format!("{value} {}", unit.trim_start_matches("->").trim())),
             None => (word, value),
         };
-        self.compare_stated(word, &value, line)?;
         let spip = word.to_ascii_lowercase();
         if spip == "file format" {
             self.spip = value.eq_ignore_ascii_case("ascii");
         } else if self.spip && self.spip_entry(&spip, &value, line)? {
-            self.stated.push((word.to_owned(), value, line));
-            return Ok(());
+            return self.record_stated(word, value, line);
         }
         let Some(key) = Key::of(word) else {
             if states_scale(word, &value, Scale::parse(&value).is_some()) {
@@ -107,24 +105,29 @@ impl Header {
             }
             return Ok(());
         };
-        if self.set(key, word, &value, line)? {
-            self.stated.push((word.to_owned(), value, line));
-        } else {
+        let is_count = matches!(key, Key::Cols | Key::Rows);
+        if !self.set(key, word, &value, line)? {
             self.record_unused(text, line);
+        } else if !is_count || value.parse::<usize>().is_ok_and(|count| count > 0) {
+            self.record_stated(word, value, line)?;
         }
         Ok(())
     }
 
-    /// Refuses a word that an earlier line states with another value: which of both holds is not known.
-    fn compare_stated(&self, word: &str, value: &str, line: usize) -> Result<(), ReadError> {
+    /// Records a word whose value is used. Refuses one that an earlier line states with another value: which of both
+    /// holds is not known.
+    fn record_stated(&mut self, word: &str, value: String, line: usize) -> Result<(), ReadError> {
         match self.stated.iter().find(|(known, ..)| known.eq_ignore_ascii_case(word)) {
-            Some((_, earlier, earlier_line)) if earlier != value => Err(ReadError::Refused(format!(
+            Some((_, earlier, earlier_line)) if *earlier != value => Err(ReadError::Refused(format!(
                 "line {line}: {} is \"{}\", and was \"{}\" on line {earlier_line}: expected one value",
                 excerpt(word),
-                excerpt(value),
+                excerpt(&value),
                 excerpt(earlier)
             ))),
-            _ => Ok(()),
+            _ => {
+                self.stated.push((word.to_owned(), value, line));
+                Ok(())
+            }
         }
     }
 

@@ -70,6 +70,8 @@ fn a_word_that_two_lines_state_with_other_values_is_refused_with_both_lines() {
     assert!(read(&format!("{sides}\n# Value units: um\n# Width: 2 um")).is_ok());
     // What was not understood states nothing.
     assert!(read("Width: 640\n# Width: 2 um\n# Height: 2 um\n# Value units: um").is_ok());
+    let counted = "# Rows: each a scan\n# Rows: 2\n# Width: 2 um\n# Height: 2 um\n# Value units: um";
+    assert!(read(counted).is_ok());
     // Comments without a meaning may be repeated.
     assert!(read(&format!("{sides}\n# Value units: um\n# Comment: a\n# Comment: b")).is_ok());
 }
