@@ -39,13 +39,13 @@ function branch(schema, value) {
 const isTableList = (schema) => schema.type === "array" && schema.items?.type === "object";
 
 /// Numbers as people write them: "0.95", "0,95", "0.95, 0.88", "1; 2", "[[5, 0.1], [20, 0.4]]"; null when empty.
-/// Where a list may stand, "2,5" has two meanings and is refused.
+/// Where a number or a list may stand, "2,5" has two meanings and is refused.
 export function parseNumbers(text, one, list) {
   const bare = text.trim();
   if (bare === "") return null;
   if (bare.startsWith("[[")) return JSON.parse(bare);
   const inner = bare.replace(/^\[|\]$/g, "").trim();
-  const hasOneComma = /^-?\d+,\d+$/.test(bare);
+  const hasOneComma = one && /^-?\d+,\d+$/.test(bare);
   if (hasOneComma && list) {
     throw new Error(`One number or two? Write ${bare.replace(",", ".")} or ${bare.replace(",", "; ")}.`);
   }

@@ -120,7 +120,7 @@ export function watchResult(out, draw, signal) {
     if (!file || file.modified_ms === drawn) return;
     drawn = file.modified_ms;
     const record = await get(fileUrl(file.path)).catch((error) => say(error.message));
-    if (record && !signal.aborted) draw(record, file);
+    if (record && !signal.aborted) draw(record);
   };
   on("folder", look, signal);
   return look();

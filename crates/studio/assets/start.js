@@ -1,6 +1,6 @@
 // Beginning a material or a design: forms that ask for a name and write the template.
 
-import { edit, get, hashOf, load, loadFolder, measuredTable, run, save, state } from "./api.js";
+import { edit, get, hashOf, load, loadFolder, materialName, measuredTable, run, save, state } from "./api.js";
 import { firstError } from "./jobs.js";
 import { alert, h, nameForm, parent, relative, stem } from "./ui.js";
 
@@ -29,7 +29,7 @@ export function startMaterial(root) {
   begin(root, "Name of a new material", "Start a material", "my-material", async (name) => {
     const path = `${name}/calibration.toml`;
     await make(["new", "calibration", name]);
-    await edit(path, [{ at: ["name"], value: name.split("/").pop() }, ...EXAMPLES.map((at) => ({ at, value: null }))]);
+    await edit(path, [{ at: ["name"], value: materialName(path) }, ...EXAMPLES.map((at) => ({ at, value: null }))]);
     const table = await load(`${name}/flat.csv`);
     await save(table.path, table.text.replace(/^\d.*\n/gm, ""), table.digest);
     await choose({ calibration: path }, "material");

@@ -53,7 +53,8 @@ function targetTable(getTarget, onEdit, onFail) {
   /// Field of a number; `labelOf(target)` and `valueOf(target)` give what it shows.
   const input = (labelOf, valueOf, focusKey, change) => {
     const field = h("input", { type: "text", inputmode: "decimal", "data-focus": focusKey, onchange: async () => {
-      try { await change(parseNumbers(field.value, true, false)); field.removeAttribute("aria-invalid"); }
+      field.removeAttribute("aria-invalid");
+      try { await change(parseNumbers(field.value, true, false)); }
       catch (error) { field.setAttribute("aria-invalid", "true"); onFail(error); }
     } });
     const show = (target) => {

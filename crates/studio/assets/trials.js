@@ -144,7 +144,7 @@ export async function show(root, signal) {
   if (!state.design) return;
   const design = await load(state.design);
   const home = await calibrationOf(design);
-  let calibration = home && await load(home);
+  let calibration = home === path ? doc : home && await load(home);
   if (signal.aborted) return;
   material.append(h("p", {}, `Design: ${design.values?.name ?? state.design}`), materialLine(design, home));
   // A material file has no trials that wait.

@@ -81,10 +81,16 @@
 
   const round = (value, step) => Math.round(value / step) * step;
   const bursts = depth => data.burst_um ? Math.max(1, Math.round(depth / data.burst_um)) : null;
+  // Writes the quantities beside the expected values, decoded from `values` at `from`, into `own`.
+  const readBeside = (values, from, own) => {
+    own.peak = Math.exp(values[from]); own.height = values[from + 1]; own.face = values[from + 2];
+    own.seconds = Math.exp(values[from + 3]); own.least = values[from + 4];
+    return own;
+  };
   const describe = at => {
-    const [logPeak, height, face, logSeconds, least] = beside.at(at), values = medians.at(at);
+    const own = readBeside(beside.at(at), 0, {}), values = medians.at(at);
     return {
-      at, values, height, face, seconds: Math.exp(logSeconds), least, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), height), peak: Math.exp(logPeak), chance: chanceOf(logOdds.at(at)[0]),
+      ...own, at, values, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), own.height), chance: chanceOf(logOdds.at(at)[0]),
       lower: lower.at(at), upper: upper.at(at), isOn: values.every(isWithin), bursts: bursts(at[2]),
     };
   };
@@ -251,8 +257,7 @@
       for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column++) {
         const cell = row * COLUMNS + column, from = BESIDE * cell;
         [at[h], at[v]] = [hs[column], vs[row]];
-        const [logPeak, height, face, logSeconds, ratio] = sides.slice(from, from + BESIDE);
-        Object.assign(side, { peak: Math.exp(logPeak), height, face, seconds: Math.exp(logSeconds), least: ratio });
+        readBeside(sides, from, side);
         let isOn = hasTarget;
         for (let load = 0; isOn && load < all_loads; load++) isOn = isWithin(values[cell * all_loads + load], load);
         const tones = colours[isOn ? "on" : "off"][Math.round(LEVELS * (rank[cell] - least) / Math.max(most - least, 1e-9))];
@@ -298,9 +303,9 @@
 
   // Readings.
   const fixed = (value, digits) => value === null || value === undefined || !Number.isFinite(value) ? "-" : value.toFixed(digits);
-  // Seconds, from ten minutes on minutes, as on the rest of the page.
   const [leastBelieved, mostBelieved] = data.believed;
   const believed = value => value < leastBelieved ? `below ${leastBelieved}` : value > mostBelieved ? `above ${mostBelieved}` : fixed(value, 3);
+  // Seconds, from ten minutes on minutes, as on the rest of the page.
   const duration = seconds => seconds >= 599.5 ? `${fixed(seconds / 60, 1)} min` : `${fixed(seconds, seconds < 0.995 ? 2 : seconds < 99.95 ? 1 : 0)} s`;
   const draw = () => {
     const shown = describe(state), isKnown = shown.gap === null;
@@ -317,7 +322,7 @@
     const say = (name, text) => { const place = find(name); if (place) place.textContent = text; };
     const value = (name, text) => say(name, isKnown ? text() : "-");
     say("at", `${fixed(pressure, 2)} MPa`);
-    value("first", () => fixed(between(shown.values, pressure), 3));
+    value("first", () => believed(between(shown.values, pressure)));
     value("interval", () => [shown.lower, shown.upper].map(ends => believed(between(ends, pressure))).join(" to "));
     value("second", () => fixed(between(other(shown.values), pressure), 3));
     value("chance", () => chanceInWords(shown.chance));

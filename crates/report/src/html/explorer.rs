@@ -238,8 +238,9 @@ pub fn exploration(found: &Explored, toml: String) -> String {
 /// Table of what is expected of the design at which the sliders start, in their place on paper.
 fn printed(found: &Explored) -> Option<Markup> {
     let own = PatternReport::from(&found.pattern);
-    let read = found.predict([own.width_um, own.spacing_um, own.depth_um])?;
-    let lengths = [own.width_um, own.spacing_um, own.depth_um].map(|um| number(um, 1));
+    let lengths_um = [own.width_um, own.spacing_um, own.depth_um];
+    let read = found.predict(lengths_um)?;
+    let lengths = lengths_um.map(|um| number(um, 1));
     let rows = TargetReport::from(&found.task.target).pressure_mpa.into_iter().enumerate();
     let expected = if found.task.target.quantity() == Quantity::Ratio { "expected ratio" } else { "expected mu" };
     Some(html! {
