@@ -258,7 +258,7 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division) ->
     let of_side = |(side, of): (usize, &&Search<'_>)| {
         candidates(of, options, division).into_iter().map(move |texture| (side, texture))
     };
-    let (all, unkept_by): (Vec<(usize, CutTexture)>, Vec<(usize, CutTexture)>) =
+    let (all, unkept_by): (Vec<(usize, CutTexture)>, _) =
         searches.iter().enumerate().flat_map(of_side).partition(|(_, texture)| texture.excess == 0.0);
     let joint = |pair: [&CutTexture; SECTORS]| search.predictor.on_one_disc(&pair.map(CutTexture::candidate));
     let bits = |[a, b]: [usize; SECTORS]| joint([&all[a].1, &all[b].1]).family_bits(MEASURED_STD);
