@@ -32,8 +32,7 @@ impl AreaLawOptions {
     /// Plans the curve for a surface with the slope `rms_slope`; `points` is the number of points of the map, if there
     /// is a map.
     ///
-    /// If all requested pressures exceed the threshold P0, P0 is solved as an additional pressure; otherwise the
-    /// contact area at P0 is interpolated.
+    /// The threshold P0 is solved as an additional pressure unless it is requested, or all requested pressures lie below.
     pub fn on_surface(self, rms_slope: f64, points: Option<usize>) -> AreaLawCurve {
         // E* = E / (1 - nu^2)
         let shrink = 1.0 - self.poisson_ratio * self.poisson_ratio;
@@ -41,10 +40,12 @@ impl AreaLawOptions {
         let limit = || light_pressure_pa(contact_modulus_pa, rms_slope, points);
         let threshold_pa = self.threshold_pa.unwrap_or_else(limit);
         let mut solved_pa = self.pressures_pa.clone();
-        if solved_pa.iter().all(|&pressure_pa| pressure_pa > threshold_pa) {
-            solved_pa.insert(0, threshold_pa);
+        let place = solved_pa.partition_point(|&pressure_pa| pressure_pa < threshold_pa);
+        let added = solved_pa.get(place).is_some_and(|&next_pa| next_pa > threshold_pa).then_some(place);
+        if let Some(place) = added {
+            solved_pa.insert(place, threshold_pa);
         }
-        AreaLawCurve { options: self, contact_modulus_pa, threshold_pa, solved_pa }
+        AreaLawCurve { options: self, contact_modulus_pa, threshold_pa, solved_pa, added }
     }
 }
 
@@ -56,15 +57,17 @@ pub struct AreaLawCurve {
     contact_modulus_pa: f64,
     /// Threshold pressure P0, in pascals.
     threshold_pa: f64,
-    /// Solved pressures, in pascals: the requested pressures, preceded by the threshold if all requested pressures
-    /// exceed it.
+    /// Solved pressures, increasing, in pascals: the requested pressures and the threshold.
     solved_pa: Vec<f64>,
+    /// Index of the threshold among the solved pressures if it was not requested.
+    added: Option<usize>,
 }
 
 impl AreaLawCurve {
-    /// Index of the first requested pressure among the solved pressures.
-    fn first(&self) -> usize {
-        self.solved_pa.len() - self.options.pressures_pa.len()
+    /// Selects the values at requested pressures from those at solved pressures.
+    fn requested<T: Clone>(&self, solved: &[T]) -> Vec<T> {
+        let is_requested = |(place, _): &(usize, &T)| self.added != Some(*place);
+        solved.iter().enumerate().filter(is_requested).map(|(_, value)| value.clone()).collect()
     }
 
     /// Converts the curve to a request for the solver.
@@ -94,9 +97,10 @@ impl AreaLawCurve {
         found: &SurfaceAreaLaw,
         resolutions: &[Resolution],
     ) -> AreaLawReport {
-        let first = self.first();
-        let requested = |factors: &[f64]| factors[first..].to_vec();
-        let coarser = |of: &Resolution| Resolution { factor: of.factor.as_deref().map(requested), ..of.clone() };
+        let coarser = |of: &Resolution| {
+            let factor = of.factor.as_deref().map(|factors| self.requested(factors));
+            Resolution { factor, ..of.clone() }
+        };
         let mut report = AreaLawReport {
             map: Some(name.to_owned()),
             synthetic_surface: surface.synthetic,
@@ -115,12 +119,12 @@ impl AreaLawCurve {
         };
         if let Some(spread) = &found.windows {
             report.model.push(spread.statement());
-            for (point, std) in report.results.iter_mut().zip(spread.factor_std().split_off(first)) {
+            for (point, std) in report.results.iter_mut().zip(self.requested(&spread.factor_std())) {
                 point.factor_std = Some(std);
             }
             report.windows = Some(WindowSpread {
-                factor_mean: requested(&spread.factor_mean),
-                factor_spread: requested(&spread.factor_spread),
+                factor_mean: self.requested(&spread.factor_mean),
+                factor_spread: self.requested(&spread.factor_spread),
                 ..spread.clone()
             });
         }
@@ -181,7 +185,7 @@ impl AreaLawCurve {
             threshold_proportionality: proportionality(curve, self.threshold_pa),
             tolerance: self.options.tolerance,
             threads: rayon::current_num_threads(),
-            results: curve[self.first()..].iter().map(report).collect(),
+            results: self.requested(curve).iter().map(report).collect(),
             ..AreaLawReport::default()
         }
     }
@@ -230,15 +234,23 @@ mod tests {
         );
     }
 
-    /// Report for one rms slope.
+    /// Report for one rms slope at three pressures.
     fn curve(youngs_modulus_gpa: f64, threshold_pa: Option<f64>, rms_slope: f64) -> AreaLawReport {
-        let pressures_pa = vec![0.5e6, 0.7e6, 2.6e6];
+        curve_at(&[0.5e6, 0.7e6, 2.6e6], youngs_modulus_gpa, threshold_pa, rms_slope)
+    }
+
+    fn curve_at(
+        pressures_pa: &[f64],
+        youngs_modulus_gpa: f64,
+        threshold_pa: Option<f64>,
+        rms_slope: f64,
+    ) -> AreaLawReport {
         let options = AreaLawOptions {
             youngs_modulus_gpa,
             poisson_ratio: 1.0 / 3.0,
             tolerance: 1e-8,
             threshold_pa,
-            pressures_pa,
+            pressures_pa: pressures_pa.to_vec(),
         };
         options.on_surface(rms_slope, None).of_theory(rms_slope).unwrap()
     }
@@ -253,5 +265,20 @@ mod tests {
             assert!((found - known).abs() < 2e-4, "{found} {known}");
         }
         assert_eq!(factors(Some(0.7e6))[..2], [1.0, 1.0]);
+    }
+
+    #[test]
+    fn f_at_a_pressure_is_independent_of_the_others() {
+        for threshold_pa in [None, Some(0.7e6)] {
+            let last = |pressures_pa: &[f64]| {
+                let report = curve_at(pressures_pa, 0.38, threshold_pa, 0.0137);
+                assert_eq!(report.results.len(), pressures_pa.len());
+                report.results.last().unwrap().factor.unwrap()
+            };
+            let alone = last(&[2.6e6]);
+            for further_pa in [0.01e6, 0.05e6, 0.7e6, 1.3e6] {
+                assert_eq!(last(&[further_pa, 2.6e6]), alone, "{further_pa}");
+            }
+        }
     }
 }
