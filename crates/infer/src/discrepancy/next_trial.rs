@@ -10,7 +10,8 @@ use slipgrid_base::statistics::cholesky::{cholesky, covariance_factor, dot, is_r
 const OF_CLOSENESS: f64 = 0.05;
 /// Approximate number of draws for [`information`], divided between the components by weight.
 const DRAWS: f64 = 2000.0;
-/// Weight below which a component of the mixture is ignored; it would not affect the choice of the next trial.
+/// Weight below which a component of the mixture is ignored in closeness and information: it would not affect the choice
+/// of the next trial.
 const MIN_WEIGHT: f64 = 1e-4;
 /// A component of the mixture is skipped if it can add at most this to a chance.
 const MIN_CHANCE: f64 = 1e-6;
@@ -90,11 +91,7 @@ impl Wanted {
 /// between the components by their maximum contributions.
 fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], points: usize) -> f64 {
     let n = lower.len();
-    let most: Vec<f64> = prediction
-        .components
-        .iter()
-        .map(|of| if of.weight > MIN_WEIGHT { of.weight * of.most_within(lower, upper) } else { 0.0 })
-        .collect();
+    let most: Vec<f64> = prediction.components.iter().map(|of| of.weight * of.most_within(lower, upper)).collect();
     let sum: f64 = most.iter().sum();
     let rule = BoxRule::new(n);
     let mut first = 0;
