@@ -1,7 +1,7 @@
 //! Warnings about samples of one texture that contradict each other.
 
 use crate::discrepancy::{Contradiction, Discrepancy};
-use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// Name with which the warnings begin.
 const NAME: &str = "contradicting samples";
@@ -23,7 +23,7 @@ pub fn contradicting_samples(learned: &Discrepancy) -> Vec<String> {
 
 fn warning(learned: &Discrepancy, pair: &Contradiction) -> String {
     let [first, second] = pair.trials.map(|trial| &learned.trials()[trial].name);
-    let Contradiction { load, sample_std: [one, other], chi_square, ratios, .. } = *pair;
+    let Contradiction { load, sample_std: [one, other], .. } = *pair;
     let stated = if one.to_bits() == other.to_bits() {
         percent(one)
     } else {
@@ -35,13 +35,12 @@ fn warning(learned: &Discrepancy, pair: &Contradiction) -> String {
     };
     format!(
         "{NAME}: \"{first}\" and \"{second}\" are of one texture within the errors of their dimensions, and their ratios over the modelled \
-         ones differ by {} at {:.2} MPa, {} mm/s and {} %, where samples are said to scatter by {stated} (sample_std): chi-square {chi_square:.0} of {}, \
-         {}; measure both again, and their dimensions; {then}",
+         ones differ by {} at {:.2} MPa, {} mm/s and {} %, where samples are said to scatter by {stated} (sample_std): {}; \
+         measure both again, and their dimensions; {then}",
         percent(pair.difference.abs()),
         PRESSURE_MPA.from_si(load.pressure_pa),
         tidy(SPEED_MM_S.from_si(load.speed_m_s)),
         tidy(HUMIDITY_PCT.from_si(load.humidity)),
-        counted(ratios, "ratio"),
         if pair.probability < 1e-12 {
             "a probability below 1e-12".to_owned()
         } else {
@@ -85,7 +84,7 @@ mod tests {
         for words in [
             "contradicting samples: \"cut-1\" and \"cut-2\" are of one texture within the errors of their dimensions",
             "differ by 12 % at 2.00 MPa, 5 mm/s and 45 %, where samples are said to scatter by 2.0 % (sample_std)",
-            "of 1 ratio, a probability ",
+            "(sample_std): a probability of ",
             "until then other samples are taken to scatter by ",
         ] {
             assert!(warning.contains(words), "{words}: {warning}");

@@ -41,11 +41,8 @@ pub struct Contradiction {
     pub sample_std: [f64; 2],
     /// Whether each of the two trials states its standard deviation, which is then kept.
     pub is_own: [bool; 2],
-    /// Number of conditions at which both samples were measured.
-    pub ratios: usize,
-    /// Chi-square d^T C^-1 d of the differences d of the log ratios at all conditions, with their stated covariance C.
-    pub chi_square: f64,
-    /// Probability of this chi-square or more.
+    /// Probability of such differences d of the log ratios with their stated covariance C, by two tests: of all
+    /// conditions by d^T C^-1 d, and of the shift common to them, which further conditions do not dilute.
     pub probability: f64,
 }
 
@@ -90,7 +87,9 @@ impl Discrepancy {
         let compared: Vec<Contradiction> = pairs.filter_map(|pair| self.compared(pair, &noise)).collect();
         let least = MIN_PROBABILITY / compared.len().max(1) as f64;
         let mut found: Vec<Contradiction> = compared.into_iter().filter(|pair| pair.probability < least).collect();
-        found.sort_by(|a, b| a.probability.total_cmp(&b.probability).then(b.chi_square.total_cmp(&a.chi_square)));
+        found.sort_by(|a, b| {
+            a.probability.total_cmp(&b.probability).then(b.difference.abs().total_cmp(&a.difference.abs()))
+        });
         found
     }
 
@@ -98,7 +97,8 @@ impl Discrepancy {
     /// or have no common condition.
     fn compared(&self, trials: [usize; 2], noise: &[f64]) -> Option<Contradiction> {
         let [first, second] = trials.map(|place| &self.trials()[place]);
-        if self.is_one_disc(trials[0], trials[1]) || !is_one_texture([first, second]) {
+        let features = [&first.features, &second.features];
+        if self.is_one_disc(trials[0], trials[1]) || !is_one_texture(features, [errors_m(first), errors_m(second)]) {
             return None;
         }
         let all = &self.rows().collect::<Vec<(usize, &Measured)>>()[..];
@@ -128,9 +128,14 @@ impl Discrepancy {
         };
         let covariance: Vec<f64> = (0..n * n).map(entry).collect();
         let factor = cholesky(&covariance, n).filter(|factor| is_regular(factor, n))?;
-        let mut whitened = difference.clone();
+        let (mut whitened, mut ones) = (difference.clone(), vec![1.0; n]);
         solve_lower(&factor, n, &mut whitened);
-        let chi_square = dot(&whitened, &whitened);
+        solve_lower(&factor, n, &mut ones);
+        // (1^T C^-1 d)^2 / (1^T C^-1 1)
+        let of_shift = chi_square_beyond(dot(&ones, &whitened).powi(2) / dot(&ones, &ones), 1);
+        let of_all = chi_square_beyond(dot(&whitened, &whitened), n);
+        // Of two tests either may fail by chance.
+        let probability = if n == 1 { of_all } else { (2.0 * of_shift.min(of_all)).min(1.0) };
         let most = (0..n).max_by(|a, b| difference[*a].abs().total_cmp(&difference[*b].abs()))?;
         Some(Contradiction {
             trials,
@@ -138,9 +143,7 @@ impl Discrepancy {
             difference: difference[most],
             sample_std: trials.map(|trial| self.own_std(trial, self.hyperparameters().sample_std)),
             is_own: [first, second].map(|trial| trial.sample_std.is_some()),
-            ratios: n,
-            chi_square,
-            probability: chi_square_beyond(chi_square, n),
+            probability,
         })
     }
 }
@@ -158,18 +161,24 @@ fn of_errors(of: &Trial) -> f64 {
     squares.map(|((error, length), power): ((f64, f64), f64)| (power * error / length).powi(2)).sum()
 }
 
-/// Whether two samples have one texture: all lengths equal within their errors or within a fiftieth, and areal density
-/// and edge length accordingly.
-fn is_one_texture(trials: [&Trial; 2]) -> bool {
-    let lengths = |of: &Features| [of.width_m, of.pitch_m, of.depth_m];
-    let [a, b] = trials.map(|of| lengths(&of.features));
-    let [error_a, error_b] = trials.map(errors_m);
+impl Trial {
+    /// Whether `of` is the texture of the sample, within the errors of its dimensions or a fiftieth.
+    pub fn has_texture(&self, of: &Features) -> bool {
+        is_one_texture([&self.features, of], [errors_m(self), [0.0; 3]])
+    }
+}
+
+/// Whether two textures with standard errors of their lengths are equal: all lengths within their errors or within a
+/// fiftieth, and areal density and edge length accordingly.
+fn is_one_texture(textures: [&Features; 2], errors_m: [[f64; 3]; 2]) -> bool {
+    let [a, b] = textures.map(|of| [of.width_m, of.pitch_m, of.depth_m]);
+    let [error_a, error_b] = errors_m;
     let allowed: [f64; 3] = std::array::from_fn(|axis| {
         (WITHIN_ERRORS * error_a[axis].hypot(error_b[axis]) / a[axis].min(b[axis])).max(SAME_LENGTH)
     });
     // Areal density and edge length change with at most two powers of a length.
     let powers = 2.0 * (allowed[0] + allowed[1]);
-    let apart = |of: fn(&Features) -> f64| libm::log(of(&trials[0].features) / of(&trials[1].features)).abs();
+    let apart = |of: fn(&Features) -> f64| libm::log(of(textures[0]) / of(textures[1])).abs();
     (0..3).all(|axis| (a[axis] - b[axis]).abs() / a[axis].min(b[axis]) <= allowed[axis])
         && apart(|of| of.areal_density) <= powers
         && apart(|of| of.edge_1_m) <= powers
