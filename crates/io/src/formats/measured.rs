@@ -47,8 +47,8 @@ impl Remarks {
     }
 }
 
-/// Relative difference up to which the pressure on a face of another size counts as the pressure at which a flat sample
-/// was measured, because forces are set in round numbers. Friction changes by at most a tenth of this difference.
+/// Relative difference up to which a pressure counts as the pressure at which a flat sample was measured, because forces
+/// are set in round numbers. Friction changes by at most a tenth of this difference.
 const SAME_PRESSURE: f64 = 0.01;
 
 /// If the highest pressure of a table, in MPa, is below this value, forces are probably in another unit: flat faces
@@ -74,14 +74,12 @@ impl Placed {
     /// `flat` sample was measured at nearly this force, the force on the flat sample is used.
     pub(crate) fn on(&self, own: &Specimens, specimens: &Specimens, flat: &[Self]) -> Self {
         let mut row = self.clone();
-        if own.area_m2 != specimens.area_m2 {
-            // P = F / A
-            let force_n = row.measurement.force_n * specimens.area_m2 / own.area_m2;
-            let off = |other: &f64| (other / force_n - 1.0).abs();
-            let forces = flat.iter().map(|other| other.measurement.force_n);
-            let nearest = forces.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|other| off(other) <= SAME_PRESSURE);
-            row.measurement.force_n = nearest.unwrap_or(force_n);
-        }
+        // P = F / A
+        let force_n = row.measurement.force_n * specimens.area_m2 / own.area_m2;
+        let off = |other: &f64| (other / force_n - 1.0).abs();
+        let forces = flat.iter().map(|other| other.measurement.force_n);
+        let nearest = forces.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|other| off(other) <= SAME_PRESSURE);
+        row.measurement.force_n = nearest.unwrap_or(force_n);
         row
     }
 
@@ -228,17 +226,32 @@ pub fn check_partners(rows: &[Placed], written: &[Placed], flat: &[Placed]) -> R
     if alone.is_empty() {
         return Ok(Vec::new());
     }
-    let measured = flat.iter().take(MAX_NAMED).map(Placed::condition).collect::<Vec<_>>().join("; ");
-    let more = if flat.len() > MAX_NAMED { format!("; {} more", flat.len() - MAX_NAMED) } else { String::new() };
     let named = |(row, written): &(&Placed, &Placed), so: &str| {
+        let own = row.measurement;
+        // Humidity or speed is at fault if a flat sample differs by nothing else.
+        let differs = |but: fn(Measurement, &Measurement) -> Measurement| -> Vec<&Placed> {
+            flat.iter().filter(|other| other.measurement.is_at(&but(own, &other.measurement))).collect()
+        };
+        let by_humidity = differs(|own, other| Measurement { humidity: other.humidity, ..own });
+        let by_speed = differs(|own, other| Measurement { speed_m_s: other.speed_m_s, ..own });
+        let (key, value, beside) = if !by_humidity.is_empty() {
+            ("humidity_pct", HUMIDITY_PCT.from_si(own.humidity), by_humidity)
+        } else if !by_speed.is_empty() {
+            ("speed_mm_s", SPEED_MM_S.from_si(own.speed_m_s), by_speed)
+        } else {
+            ("force_n", written.measurement.force_n, flat.iter().collect())
+        };
+        let measured = beside.iter().take(MAX_NAMED).map(|row| row.condition()).collect::<Vec<_>>().join("; ");
+        let more =
+            if beside.len() > MAX_NAMED { format!("; {} more", beside.len() - MAX_NAMED) } else { String::new() };
         let (mut reason, mut there) = (String::new(), "");
-        if !row.measurement.is_at(&written.measurement) {
-            let force_n = tidy(significant(row.measurement.force_n, 6));
+        if key == "force_n" && (own.force_n / written.measurement.force_n - 1.0).abs() > SAME_PRESSURE {
+            let force_n = tidy(significant(own.force_n, 6));
             reason = format!("N on this face press as {force_n} N do on the calibration's: it ");
             there = ", with forces on the calibration's face";
         }
         reason += &format!("has no flat sample beside it, measured at {}: {so}", row.condition());
-        let at = Diagnostic { reason, ..row.at("force_n", written.measurement.force_n) };
+        let at = Diagnostic { reason, ..row.at(key, value) };
         at.expected(format!("a condition of the flat samples{there}: {measured}{more}"))
     };
     if alone.len() == rows.len() {
@@ -405,6 +418,13 @@ mod tests {
             "{said:?}"
         );
         assert!(said[0].contains("the flat samples, with forces on the calibration's face: 50 N"), "{said:?}");
+        // Where force and speed are those of a flat sample, humidity is named.
+        let mut humid = written[0].clone();
+        humid.measurement.force_n = 50.2;
+        humid.measurement.humidity += 0.01;
+        let on_face = [humid.on(&face, &face, &flat)];
+        let refused = check_partners(&on_face, &[humid], &flat).unwrap_err().to_string();
+        assert!(refused.starts_with("flat.csv:2: humidity_pct: ") && !refused.contains("face"), "{refused}");
         // On a face of the calibration's size no force is converted.
         let refused = check_partners(&written[1..], &written[1..], &flat).unwrap_err().to_string();
         assert!(refused.starts_with("flat.csv:4: force_n: 60 has no flat sample beside it"), "{refused}");
