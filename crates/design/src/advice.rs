@@ -7,25 +7,29 @@ use slipgrid_infer::discrepancy::{Features, Trial};
 use crate::band::Asked;
 use crate::prediction::{Prediction, percent};
 use crate::results::length_in_words;
-use crate::search::{Search, is_same};
+use crate::search::Search;
 
 /// Minimum chance at which a series is advised.
 const SERIES: f64 = 0.9;
+/// Minimum chance of another sample at which the texture of a trial on target meets it: below, the trial was luck.
+const LIKELY: f64 = 0.5;
 /// Two textures are near each other if width, pitch, depth and areal density differ by at most this factor, and a load
 /// is near measured ones if it lies outside their pressures by at most this factor.
 const NEARBY: f64 = 1.5;
 
 /// Recommended next action.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Advice {
     /// Cut a series: the chance is high and a trial of a similar texture confirms it.
     Series,
     /// Cut a trial: the chance is too low for a series, or no trial of a similar texture exists.
     Trial,
-    /// Cut nothing new: a trial is on target.
+    /// Cut nothing new: a trial is on target, and another sample of its texture is likely to be.
     TrialMeetsIt {
         /// Name and texture of the trial, in words.
         trial: String,
+        /// Chance that another sample of its texture is on target.
+        another: f64,
         /// Whether the best texture is that of the trial.
         is_best: bool,
     },
@@ -51,9 +55,17 @@ impl Advice {
         if is_flat_best {
             return Self::DoNotTexture;
         }
-        if let Some(trial) = asked.met_by() {
-            let is_best = is_same(&trial.features, &best.texture.features);
-            return Self::TrialMeetsIt { trial: named(trial), is_best };
+        let is_nearby = |trial: &Trial| is_near(trial, &best.texture.features) && is_near_loads(trial, asked);
+        let is_nearby = asked.learned.trials().iter().any(is_nearby);
+        if best.texture.excess == 0.0 && best.chance() >= SERIES && is_nearby {
+            return Self::Series;
+        }
+        for trial in asked.met_by() {
+            let is_best = trial.has_texture(&best.texture.features);
+            let another = if is_best { Some(best.chance()) } else { search.another_of(trial, best) };
+            if let Some(another) = another.filter(|another| *another >= LIKELY) {
+                return Self::TrialMeetsIt { trial: named(trial), another, is_best };
+            }
         }
         if best.texture.excess > 0.0 {
             return Self::CannotBeMet { keeps_limits: false };
@@ -63,9 +75,7 @@ impl Advice {
         if !is_within_reach && asked.has_demands() && has_trials {
             return Self::CannotBeMet { keeps_limits: true };
         }
-        let is_nearby = |trial: &Trial| is_near(trial, &best.texture.features) && is_near_loads(trial, asked);
-        let is_nearby = asked.learned.trials().iter().any(is_nearby);
-        if best.chance() >= SERIES && is_nearby { Self::Series } else { Self::Trial }
+        Self::Trial
     }
 
     /// Name of the advice in result files.
@@ -91,9 +101,12 @@ impl Advice {
             ),
             Self::Trial if has_demands => format!("cut a trial: {of_sample}"),
             Self::Trial => "cut a trial: the best texture found for the goal".to_owned(),
-            Self::TrialMeetsIt { trial, is_best } => {
-                let other = if *is_best { "another sample of it" } else { "the likeliest other texture" };
-                format!("nothing need be cut: trial {trial} already meets the target; {other} has a chance of {chance}")
+            Self::TrialMeetsIt { trial, another, is_best } => {
+                let another = percent(*another);
+                let other = if *is_best { String::new() } else { format!(", the likeliest other texture {chance}") };
+                format!(
+                    "nothing need be cut: trial {trial} already meets the target; another sample of it has a chance of {another}{other}"
+                )
             }
             Self::CannotBeMet { keeps_limits: false } => {
                 "this target cannot be met: no texture found keeps all limits as it would be cut; of those computed so, this one breaks them least"

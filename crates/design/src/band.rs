@@ -1,8 +1,9 @@
 //! Requirements of a task on a cut sample: one [`Band`] per load.
 
 use crate::optimize::{Goal, Quantity};
+use slipgrid_base::statistics::extremes;
 use slipgrid_infer::calibrate::uncertainty::Covariance;
-use slipgrid_infer::discrepancy::{Discrepancy, Load, Prediction as Distribution, Trial, Wanted};
+use slipgrid_infer::discrepancy::{Conditions, Discrepancy, Load, Measured, Prediction as Distribution, Trial, Wanted};
 use slipgrid_model::material::END_MARGIN;
 
 use crate::DesignError;
@@ -61,9 +62,15 @@ impl Asked {
     /// [`DesignError`] if the trials of the material are invalid.
     pub fn new(prepared: &PreparedTask) -> Result<Self, DesignError> {
         let PreparedTask { task, material, uncertainty, settings, .. } = prepared;
-        let learned = uncertainty.discrepancy().map_err(|error| DesignError::Failed(error.to_string()))?;
-        let usual = usual_humidity(&learned);
         let pressures_pa = task.pressures_pa();
+        let [lowest_pressure_pa, _] = extremes(pressures_pa.iter().copied());
+        let own = Conditions {
+            reference_pressure_pa: pressures_pa.iter().sum::<f64>() / pressures_pa.len() as f64,
+            lowest_pressure_pa,
+            reference_speed_m_s: task.speed_m_s,
+        };
+        let learned = uncertainty.discrepancy(own).map_err(|error| DesignError::Failed(error.to_string()))?;
+        let usual = usual_humidity(&learned);
         let (mut bands, mut at_conditions) = (Vec::new(), Vec::new());
         for Setting { condition, sliding_angle_deg, loads } in settings {
             let excess = uncertainty.excess(&pressures_pa, condition.as_ref());
@@ -170,30 +177,32 @@ impl Asked {
         }
     }
 
-    /// First trial measured on target at every load: interpolated linearly between two measured pressures, or measured
-    /// up to [`END_MARGIN`] away. `None` for a target with a goal, without demands, or in several directions.
-    pub fn met_by(&self) -> Option<&Trial> {
-        if !self.has_demands() || self.goal.is_some() {
-            return None;
-        }
-        let is_met = |trial: &&Trial| {
-            let ratios: Option<Vec<f64>> = self.loads.iter().map(|load| measured_at(trial, load)).collect();
-            ratios.is_some_and(|ratios| self.accepts(&ratios))
-        };
+    /// Trials measured on target at every load: interpolated linearly between two measured pressures, or measured up to
+    /// [`END_MARGIN`] away. None for a target with a goal, without demands, or in several directions.
+    pub fn met_by(&self) -> impl Iterator<Item = &Trial> {
         // Trials are measured in one direction, so they cannot meet a target in several directions.
         let is_of_one = self.bands.iter().all(|band| band.sliding_angle_deg == self.bands[0].sliding_angle_deg);
-        self.learned.trials().iter().find(|trial| is_of_one && is_met(trial))
+        let can_be_met = is_of_one && self.has_demands() && self.goal.is_none();
+        let is_met = move |trial: &&Trial| {
+            can_be_met && self.at_loads(trial, |at| at.measured).is_some_and(|ratios| self.accepts(&ratios))
+        };
+        self.learned.trials().iter().filter(is_met)
+    }
+
+    /// `value` of a trial's measurements at each load: interpolated between measured pressures, or that of the nearest
+    /// pressure within [`END_MARGIN`]; `None` if a load was not measured.
+    pub fn at_loads(&self, trial: &Trial, value: impl Fn(&Measured) -> f64) -> Option<Vec<f64>> {
+        self.loads.iter().map(|load| measured_at(trial, load, &value)).collect()
     }
 }
 
-/// Measured ratio of `trial` at `load`: interpolated between measured pressures, or that of the nearest pressure within
-/// [`END_MARGIN`]; `None` if `load` was not measured.
-fn measured_at(trial: &Trial, load: &Load) -> Option<f64> {
+/// `value` of `trial` at `load`, see [`Asked::at_loads`].
+fn measured_at(trial: &Trial, load: &Load, value: impl Fn(&Measured) -> f64) -> Option<f64> {
     let here = trial.measured.iter().filter(|at| {
         (at.load.speed_m_s / load.speed_m_s - 1.0).abs() <= SAME_SPEED
             && (at.load.humidity - load.humidity).abs() <= SAME_HUMIDITY
     });
-    let mut known: Vec<(f64, f64)> = here.map(|at| (at.load.pressure_pa, at.measured)).collect();
+    let mut known: Vec<(f64, f64)> = here.map(|at| (at.load.pressure_pa, value(at))).collect();
     known.sort_by(|a, b| a.0.total_cmp(&b.0));
     let p = load.pressure_pa;
     let between = known.windows(2).find_map(|pair| {

@@ -15,7 +15,7 @@ use crate::optimize::{ConstraintQuantity, ModelFailure, Violation};
 use rayon::prelude::*;
 use slipgrid_base::monitor::{Monitor, Part as Share, cached};
 use slipgrid_base::units::PRESSURE_MPA;
-use slipgrid_infer::discrepancy::{Features, Predictor};
+use slipgrid_infer::discrepancy::{Features, Measured, Predictor, Sensitivity, Trial};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, TILT_RELATIVE_ERROR};
 
@@ -208,6 +208,24 @@ impl Search<'_> {
         let shifts = found.texture.dimension_shifts.iter().map(|shift| shift.about(designed, &features));
         let texture = CutTexture { features, dimension_shifts: shifts.collect(), ..found.texture.clone() };
         Some(self.predicted(texture.moved(&by)))
+    }
+
+    /// Chance that another sample of `trial` is on target: its modelled ratios, with the errors of the inputs of the
+    /// texture `like`. `None` if it was not measured at a load.
+    pub fn another_of(&self, trial: &Trial, like: &Prediction) -> Option<f64> {
+        let at = |value: fn(&Measured) -> f64| self.asked.at_loads(trial, value);
+        let moduli = at(|at| at.sensitivity.modulus)?.into_iter();
+        let sensitivity = moduli.zip(at(|at| at.sensitivity.local_law)?);
+        let shifts =
+            like.texture.dimension_shifts.iter().map(|shift| shift.about(&like.texture.features, &trial.features));
+        let texture = CutTexture {
+            features: trial.features,
+            ratio: at(|at| at.modelled)?,
+            sensitivity: sensitivity.map(|(modulus, local_law)| Sensitivity { modulus, local_law }).collect(),
+            dimension_shifts: shifts.collect(),
+            ..like.texture.clone()
+        };
+        Some(self.predicted(texture).chance())
     }
 
     /// Predicts a sample of `pattern` from a solution in the smallest affordable blocks, with all input uncertainties;

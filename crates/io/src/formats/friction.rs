@@ -310,7 +310,7 @@ mod tests {
         let covariance = known.friction_covariance(&[1e6, 2e6], &[None]).unwrap();
         assert!(covariance.iter().flatten().all(|entry| (entry - 4e-4).abs() < 1e-15), "{covariance:?}");
         assert_eq!((known.modulus_relative_std, known.law_is_fitted), (Some(0.25), false));
-        assert_eq!(known.discrepancy().unwrap().trials(), []);
+        assert_eq!(known.learned, None);
         let silent = read("static_mean = 0.3\ndynamic_mean = 0.25", "");
         assert_eq!(silent.friction_covariance(&[1e6], &[None]), None);
     }

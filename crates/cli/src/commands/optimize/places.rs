@@ -75,7 +75,7 @@ mod tests {
         for (is_best, next) in
             [(false, "make the trial's texture; to come closer"), (true, "make the trial's texture\n")]
         {
-            let met = Advice::TrialMeetsIt { trial: "\"cut\"".into(), is_best };
+            let met = Advice::TrialMeetsIt { trial: "\"cut\"".into(), another: 0.8, is_best };
             assert!(of(&met).contains(&format!("\nnext    {next}")), "{}", of(&met));
         }
         assert_eq!(of(&Advice::DoNotTexture), "\nreport  out/a/report.html\n");

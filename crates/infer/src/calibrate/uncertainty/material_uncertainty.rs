@@ -50,18 +50,16 @@ pub struct CoefficientEstimate {
 }
 
 impl MaterialUncertainty {
-    /// The learned discrepancy, or the default prior if the file says nothing about it.
+    /// The learned discrepancy, or the default prior about the `asked` conditions if the file says nothing about it.
     ///
     /// # Errors
     /// [`DiscrepancyError`] if the error of Young's modulus is invalid.
-    pub fn discrepancy(&self) -> Result<Discrepancy, DiscrepancyError> {
-        match &self.learned {
-            Some(learned) => Ok(learned.clone()),
-            None => {
-                let modulus_std = self.modulus_relative_std.unwrap_or(0.0);
-                Discrepancy::new(Hyperparameters::default(), Conditions::default(), modulus_std, Vec::new())
-            }
-        }
+    pub fn discrepancy(&self, asked: Conditions) -> Result<Discrepancy, DiscrepancyError> {
+        let prior = || {
+            let modulus_std = self.modulus_relative_std.unwrap_or(0.0);
+            Discrepancy::new(Hyperparameters::default(), asked, modulus_std, Vec::new())
+        };
+        self.learned.clone().map_or_else(prior, Ok)
     }
 
     /// Covariance of the relative errors of the local dynamic coefficient at `pressures_pa` for each of `conditions`,
