@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
-use slipgrid_infer::discrepancy::{Prediction as Distribution, Predictor, Score, Sensitivity, information};
+use slipgrid_infer::discrepancy::{Prediction as Distribution, Predictor, Score, Unknown, information};
 
 use crate::as_cut::{CutTexture, Known, sums};
 use crate::band::Asked;
@@ -147,8 +147,8 @@ impl Prediction {
         let ratio_std = |log: &dyn Fn(usize) -> f64| (0..n).map(|load| tidy(medians[load] * log(load))).collect();
         let own_ratio = &self.texture.ratio[..];
         let mut all = Vec::new();
-        let mut add = |input: &str, known_to: String, std: Vec<f64>, (distribution, ratio): (&Distribution, &[f64])| {
-            let chance_if_known = tidy(asked.wanted.score(distribution, ratio).chance.max(self.score.chance));
+        let mut add = |input: &str, known_to: String, std: Vec<f64>, distribution: &Distribution| {
+            let chance_if_known = tidy(asked.wanted.score(distribution, own_ratio).chance.max(self.score.chance));
             all.push(LimitedBy { input: input.to_owned(), known_to, std, chance_if_known });
         };
         let trials = match asked.learned.trials().len() {
@@ -156,7 +156,9 @@ impl Prediction {
             1 => "known from one trial".to_owned(),
             trials => format!("known from {trials} trials"),
         };
-        let known = predictor.of_known_form(&self.texture.candidate(), &self.distribution.medians());
+        let log_medians = self.distribution.medians();
+        let mut known = predictor.of_known(&self.texture.candidate(), Unknown::Form);
+        known.components.iter_mut().for_each(|component| component.mean.clone_from(&log_medians));
         // Normal errors add their variances: sqrt(s^2 - s_without^2) of the moments.
         let added = |without: &Distribution, load: usize| {
             let [all, rest] = [&self.distribution, without].map(|of| of.moments(load).1);
@@ -174,16 +176,15 @@ impl Prediction {
             let of = |(load, all): (usize, &f64)| tidy((all * all - width(without, load).powi(2)).max(0.0).sqrt());
             widths.iter().enumerate().map(of).collect()
         };
-        add("model error", trials, widening(&known), (&known, own_ratio));
+        add("model error", trials, widening(&known), &known);
         let alike = predictor.without_scatter().of(&self.texture.candidate());
         let known_to = "as samples of one texture differ".to_owned();
-        add(SCATTER, known_to, widening(&alike), (&alike, own_ratio));
+        add(SCATTER, known_to, widening(&alike), &alike);
         if modulus_std > 0.0 {
             // A texture chosen for zero slope scatters by the second order.
             let second = self.texture.parts.iter().position(|part| part.name == MODULUS);
             let (covariance, dimension_shifts) = sums(&self.texture.parts, second);
-            let sensitivity = sensitivity.iter().map(|of| Sensitivity { modulus: 0.0, ..*of }).collect();
-            let still = CutTexture { sensitivity, covariance, dimension_shifts, ..self.texture.clone() };
+            let still = CutTexture { covariance, dimension_shifts, ..self.texture.clone() };
             let of_modulus = |load: usize| {
                 let curved = match second.map(|place| &self.texture.parts[place].effect) {
                     Some(InputEffect::Shared(own)) => own[load * n + load].max(0.0).sqrt(),
@@ -192,31 +193,29 @@ impl Prediction {
                 (self.texture.sensitivity[load].modulus * modulus_std).hypot(curved)
             };
             let known_to = crate::inputs::percent(modulus_std);
-            add(MODULUS, known_to, ratio_std(&of_modulus), (&predictor.of(&still.candidate()), own_ratio));
+            let known = predictor.of_known(&still.candidate(), Unknown::Modulus);
+            add(MODULUS, known_to, ratio_std(&of_modulus), &known);
         }
         if sensitivity.iter().any(|of| of.local_law != 0.0) {
-            let (mean, std) = asked.learned.local_law();
-            let by: Vec<f64> = sensitivity.iter().map(|of| mean * of.local_law).collect();
-            let known = sensitivity.iter().map(|of| Sensitivity { local_law: 0.0, ..*of }).collect();
-            let still = CutTexture { sensitivity: known, ..self.texture.clone() }.moved(&by);
+            let (_, std) = asked.learned.local_law();
             let known_to = if asked.learned.trials().is_empty() {
                 "nothing says whether friction follows the local or the nominal pressure".to_owned()
             } else {
                 format!("known from trials to {:.0} % of its effect", 100.0 * std)
             };
             let of_law = ratio_std(&|load| std * sensitivity[load].local_law.abs());
-            add(LOCAL_LAW, known_to, of_law, (&predictor.of(&still.candidate()), &still.ratio));
+            add(LOCAL_LAW, known_to, of_law, &predictor.of_known(&self.texture.candidate(), Unknown::LocalLaw));
         }
         // The first and second order of the modulus are one input, which is handled above.
         for (place, part) in self.texture.parts.iter().enumerate().filter(|(_, part)| part.name != MODULUS) {
             let (covariance, dimension_shifts) = sums(&self.texture.parts, Some(place));
             let still = CutTexture { covariance, dimension_shifts, ..self.texture.clone() };
             let without = if part.name == FLAT_FRICTION {
-                predictor.of_known_flat(&still.candidate())
+                predictor.of_known(&still.candidate(), Unknown::Flat)
             } else {
                 predictor.of(&still.candidate())
             };
-            add(part.name, part.known_to.clone(), ratio_std(&|load| added(&without, load)), (&without, own_ratio));
+            add(part.name, part.known_to.clone(), ratio_std(&|load| added(&without, load)), &without);
         }
         // Equal inputs are sorted by the scatter of the ratio.
         let most = |of: &LimitedBy| of.std.iter().copied().fold(0.0, f64::max);

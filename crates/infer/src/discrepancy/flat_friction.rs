@@ -61,9 +61,6 @@ pub struct PreparedFlat {
     pub ef: Vec<[f64; GLOBALS]>,
     /// Products F_l F_m, loads x loads.
     pub ff: Vec<f64>,
-    /// Products F_l F_m of the entries of the flat sample's own errors, loads x loads: the covariance given all other
-    /// coefficients.
-    pub ff_given_rest: Vec<f64>,
 }
 
 impl PreparedFlat {
@@ -83,9 +80,6 @@ impl PreparedFlat {
         // All entries, row by row: those of the flat sample's own errors first.
         let all: Vec<Vec<f64>> = (0..p).map(row).collect();
         let n = shares.len();
-        let products = |rows: &[Vec<f64>]| -> Vec<f64> {
-            (0..n * n).map(|e| rows.iter().map(|row| row[e / n] * row[e % n]).sum()).collect()
-        };
         let f = |load: usize, from: usize| -> Vec<f64> { all[from..].iter().map(|row| row[load]).collect() };
         let beyond_flat: Vec<Vec<f64>> = (0..n).map(|load| f(load, flat)).collect();
         Self {
@@ -93,8 +87,7 @@ impl PreparedFlat {
             residual: (0..n).map(|load| f(load, of_residual)).collect(),
             bf: b.iter().flat_map(|b| beyond_flat.iter().map(move |f| dot(b, f))).collect(),
             ef: beyond_flat.iter().map(|f| e.each_ref().map(|e| dot(e, f))).collect(),
-            ff: products(&all),
-            ff_given_rest: products(&all[..flat]),
+            ff: (0..n * n).map(|e| all.iter().map(|row| row[e / n] * row[e % n]).sum()).collect(),
         }
     }
 }

@@ -75,7 +75,7 @@ pub use leave_out::{LeftOut, Surprise, leave_out};
 pub(crate) use mixture::is_same;
 pub use mixture::{Discrepancy, FormWeight};
 pub use next_trial::{Candidate, Score, Wanted, information};
-pub use prediction::{Component, Load, Prediction, Predictor};
+pub use prediction::{Component, Load, Prediction, Predictor, Unknown};
 pub use scatter::{Contradiction, ScatterWeight};
 pub use scenarios::Scenarios;
 pub use trial::{DimensionShift, Measured, Sensitivity, Trial};

@@ -61,14 +61,17 @@ struct Prepared {
     flat: Option<PreparedFlat>,
 }
 
-/// Unknowns that a prediction takes as known.
+/// Unknown of a prediction that samples share and trials inform about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Known {
-    Nothing,
+pub enum Unknown {
     /// The discrepancy of the texture.
     Form,
-    /// Flat friction, as far as trials inform about it.
+    /// Error of flat friction.
     Flat,
+    /// Error of Young's modulus.
+    Modulus,
+    /// Share of the local law in friction.
+    LocalLaw,
 }
 
 /// Prediction for one texture: the logarithm of a cut sample's true ratio over the modelled one, at each load.
@@ -185,14 +188,13 @@ impl Predictor {
     pub fn predict_made(&self, of: &Features, sensitivity: &[Sensitivity], shifts: &[DimensionShift]) -> Prediction {
         let (modelled, covariance) = (&[][..], &[][..]);
         let of = Candidate { features: *of, modelled, sensitivity, covariance, dimension_shifts: shifts };
-        self.predicted(&[of], Known::Nothing)
+        self.predicted(&[of], None)
     }
 
     /// Predicts samples that share all unknowns except the errors of their dimensions; values are sorted by sample,
-    /// then by load. With a known form the uncertainty of the discrepancy is left out, so that covariances contain
-    /// modulus, local law, flat friction, dimensions and the scatter of the samples. The covariances of `samples` are not
-    /// added.
-    fn predicted(&self, samples: &[Candidate<'_>], known: Known) -> Prediction {
+    /// then by load. Covariances are those given the `known` unknown, if any: what trials say of a sum of two unknowns then
+    /// tells the other. The covariances of `samples` are not added.
+    fn predicted(&self, samples: &[Candidate<'_>], known: Option<Unknown>) -> Prediction {
         let n = self.loads.len();
         let rows: Vec<(usize, usize)> = (0..samples.len()).flat_map(|of| (0..n).map(move |load| (of, load))).collect();
         let all = rows.len();
@@ -243,68 +245,90 @@ impl Predictor {
                 moved[a].clear();
                 moved[a].extend(shifts.map(|(shift, log_form)| shift.log_ratio[*load] + of_form[a] * log_form));
             }
-            // v_a = h B_l + sum_k g_ak E_k + R_a, covariance v_a v_b
+            // The discrepancy d_a = h B_l + R_a, covariance d_a d_b
+            let unknown_form = |a: usize, b: usize| {
+                let ((of, l), (other, m)) = (rows[a], rows[b]);
+                let (h_a, h_b) = (h(of), h(other));
+                let [r_a, r_b] = [a, b].map(|row| &r[row * count..][..count]);
+                let [rb, br] = [dot(r_a, &member.b[m][first..]), dot(r_b, &member.b[l][first..])];
+                h_a * h_b * (member.bb[l * n + m] + self.humidity_left[l * n + m])
+                    + h_b * rb
+                    + h_a * br
+                    + dot(r_a, r_b)
+                    + h_a * h_b * member.member.residual.powi(2) * residual_left[a * all + b]
+            };
+            // d_a E_k
+            let form_with = |a: usize, k: usize| h(rows[a].0) * member.be[rows[a].1][k] + re[a][k];
+            // v_a = d_a + sum_k g_ak E_k, covariance v_a v_b
             let mut covariance = vec![0.0; all * all];
             for a in 0..all {
                 for b in 0..=a {
-                    let ((of, l), (other, m)) = (rows[a], rows[b]);
-                    let (h_a, h_b) = (h(of), h(other));
+                    let (of, other) = (rows[a].0, rows[b].0);
                     let of_globals: f64 = (0..globals)
                         .map(|k| (0..globals).map(|j| g[a][k] * g[b][j] * member.ee[k][j]).sum::<f64>())
                         .sum();
-                    let mut entry = of_globals + own;
                     // E (1 + d ln h)^2 of the uncertain part; errors of dimensions are a sample's own.
                     let mut times = 1.0;
+                    let mut entry = of_globals + own;
                     if of == other {
                         entry += dot(&moved[a], &moved[b]);
-                        times += dot(&forms[of].log_shifts, &forms[of].log_shifts);
-                    }
-                    if known != Known::Form {
-                        let [r_a, r_b] = [a, b].map(|row| &r[row * count..][..count]);
-                        let [rb, br] = [dot(r_a, &member.b[m][first..]), dot(r_b, &member.b[l][first..])];
-                        let left = self.humidity_left[l * n + m];
-                        let unknown_form = h_a * h_b * (member.bb[l * n + m] + left)
-                            + h_b * rb
-                            + h_a * br
-                            + dot(r_a, r_b)
-                            + h_a * h_b * member.member.residual.powi(2) * residual_left[a * all + b];
-                        entry += times * unknown_form;
-                        for k in 0..globals {
-                            let (g_a, g_b) = (g[a][k], g[b][k]);
-                            entry += h_a * g_b * member.be[l][k] + h_b * g_a * member.be[m][k];
-                            entry += g_b * re[a][k] + g_a * re[b][k];
+                        if known != Some(Unknown::Form) {
+                            times += dot(&forms[of].log_shifts, &forms[of].log_shifts);
                         }
                     }
+                    entry += times * unknown_form(a, b);
+                    entry += (0..globals).map(|k| g[b][k] * form_with(a, k) + g[a][k] * form_with(b, k)).sum::<f64>();
                     covariance[a * all + b] = entry;
                     covariance[b * all + a] = entry;
                 }
             }
             let mut mean: Vec<f64> = (0..all).map(|a| of_form[a] + dot(&g[a], &member.mean_of_globals)).collect();
+            // d_a F_m
+            let form_with_flat = |flat: &PreparedFlat, a: usize, m: usize| {
+                let (of, l) = rows[a];
+                h(of) * flat.bf[l * n + m] + dot(&r[a * count..][..count], &flat.residual[m])
+            };
+            // v_a F_m, v_a without the part F_l
+            let with_flat = |flat: &PreparedFlat, a: usize, m: usize| {
+                form_with_flat(flat, a, m) + dot(&g[a][..globals], &flat.ef[m][..globals])
+            };
             if let Some(flat) = &member.flat {
                 mean.iter_mut().zip(&rows).for_each(|(mean, (_, load))| *mean += flat.mean[*load]);
-                // v_a F_m, without and with the part F_l of v_a
-                let of_flat = |a: usize, m: usize| {
-                    let (of, l) = rows[a];
-                    let of_form = h(of) * flat.bf[l * n + m] + dot(&r[a * count..][..count], &flat.residual[m]);
-                    let rest = of_form + dot(&g[a][..globals], &flat.ef[m][..globals]);
-                    [rest, rest + flat.ff[l * n + m]]
-                };
-                let is_known_form = known == Known::Form;
-                let with_flat: Vec<[f64; 2]> =
-                    (0..if is_known_form { 0 } else { all * n }).map(|e| of_flat(e / n, e % n)).collect();
                 for (e, entry) in covariance.iter_mut().enumerate() {
                     let (a, b) = (e / all, e % all);
                     let (l, m) = (rows[a].1, rows[b].1);
-                    *entry += if is_known_form {
-                        flat.ff_given_rest[l * n + m]
-                    } else {
-                        with_flat[a * n + m][1] + with_flat[b * n + l][0]
+                    *entry += with_flat(flat, a, m) + with_flat(flat, b, l) + flat.ff[l * n + m];
+                }
+            }
+            let flat = member.flat.as_ref();
+            let of_global = |k: usize| {
+                let of_flat = |l: usize| flat.map_or(0.0, |flat| flat.ef[l][k]);
+                let of_globals = |a: usize| (0..globals).map(|j| g[a][j] * member.ee[j][k]).sum::<f64>();
+                let with = (0..all).map(|a| of_globals(a) + form_with(a, k) + of_flat(rows[a].1)).collect();
+                (with, vec![member.ee[k][k]])
+            };
+            // Covariances of v_a with the known unknown, and of the latter.
+            let given: Option<(Vec<f64>, Vec<f64>)> = match known {
+                Some(Unknown::Form) => {
+                    let with = |a: usize, b: usize| {
+                        let of_globals: f64 = (0..globals).map(|k| g[a][k] * form_with(b, k)).sum();
+                        let of_flat = flat.map_or(0.0, |flat| form_with_flat(flat, b, rows[a].1));
+                        unknown_form(a, b) + of_globals + of_flat
                     };
+                    let matrix =
+                        |of: &dyn Fn(usize, usize) -> f64| (0..all * all).map(|e| of(e / all, e % all)).collect();
+                    Some((matrix(&with), matrix(&unknown_form)))
                 }
-                if known == Known::Flat {
-                    let with: Vec<f64> = with_flat.iter().map(|[_, with]| *with).collect();
-                    covariance = conditional(&covariance, &with, &flat.ff);
-                }
+                Some(Unknown::Flat) => flat.map(|flat| {
+                    let with = |e: usize| with_flat(flat, e / n, e % n) + flat.ff[rows[e / n].1 * n + e % n];
+                    ((0..all * n).map(with).collect(), flat.ff.clone())
+                }),
+                Some(Unknown::Modulus) => Some(of_global(0)),
+                Some(Unknown::LocalLaw) => (globals == GLOBALS).then(|| of_global(1)),
+                None => None,
+            };
+            if let Some((with, given)) = given {
+                covariance = conditional(&covariance, &with, &given);
             }
             Component { form: member.member.form, weight: member.member.weight, mean, covariance }
         };
@@ -313,20 +337,12 @@ impl Predictor {
 
     /// Predicts a sample of `candidate`, including its dimension shifts and covariance.
     pub fn of(&self, candidate: &Candidate<'_>) -> Prediction {
-        self.predicted(&[*candidate], Known::Nothing).with(candidate.covariance)
+        self.predicted(&[*candidate], None).with(candidate.covariance)
     }
 
-    /// Predicts a sample of `candidate` if flat friction were known exactly, as far as trials inform about it.
-    pub fn of_known_flat(&self, candidate: &Candidate<'_>) -> Prediction {
-        self.predicted(&[*candidate], Known::Flat).with(candidate.covariance)
-    }
-
-    /// Predicts a sample of `candidate` with the discrepancy of the texture fixed so that the medians are `medians`: the
-    /// uncertainty of modulus, local law, dimensions and the scatter of the sample remain.
-    pub fn of_known_form(&self, candidate: &Candidate<'_>, medians: &[f64]) -> Prediction {
-        let mut found = self.predicted(&[*candidate], Known::Form).with(candidate.covariance);
-        found.components.iter_mut().for_each(|component| medians.clone_into(&mut component.mean));
-        found
+    /// Predicts a sample of `candidate` if `known` were exactly what it is expected to be.
+    pub fn of_known(&self, candidate: &Candidate<'_>, known: Unknown) -> Prediction {
+        self.predicted(&[*candidate], Some(known)).with(candidate.covariance)
     }
 
     /// Predicts `samples` of one disc, which share its scatter and the errors of the material; values are sorted by
@@ -339,7 +355,7 @@ impl Predictor {
         let factors: Vec<f64> = samples.iter().flat_map(factor).collect();
         let row = |row: usize| &factors[row * n..][..n];
         let shared: Vec<f64> = (0..all * all).map(|entry| dot(row(entry / all), row(entry % all))).collect();
-        self.predicted(samples, Known::Nothing).with(&shared)
+        self.predicted(samples, None).with(&shared)
     }
 }
 

@@ -350,13 +350,49 @@ fn friction_shares_the_flat_sample_with_the_trial() {
     // The ratio shares the amplitude alone: p^2 is that of the amplitude, and the flat sample is noise.
     let of_ratio = known.at(&at).of(&candidate).moments(0).1;
     assert!((of_ratio * of_ratio - (a2 - a2 * a2 / (a2 + f2 + s2 + e2) + s2)).abs() < 1e-12, "{of_ratio}");
-    let of_flat = predictor.of_known_flat(&candidate).moments(0).1;
+    let of_flat = predictor.of_known(&candidate, Unknown::Flat).moments(0).1;
     assert!((of_flat * of_flat - given(a2)).abs() < 1e-12, "{of_flat}");
-    let of_form = predictor.of_known_form(&candidate, &[0.0]).moments(0).1;
+    let of_form = predictor.of_known(&candidate, Unknown::Form).moments(0).1;
     assert!((of_form * of_form - given(f2)).abs() < 1e-12, "{of_form}");
     let drawn = Scenarios::new(&known, 8000, 1).of_friction(&shares).log_excesses(&candidate, &at, 0);
     let square = drawn.iter().map(|of| (of[0] - mean).powi(2)).sum::<f64>() / 8000.0;
     assert!((square / (std * std) - 1.0).abs() < 0.06, "{square} {std}");
+}
+
+/// With v = a + g x, of which a trial says the sum: given the amplitude a, it says g x, and given x it says a.
+#[test]
+fn what_is_known_leaves_to_the_rest_what_the_trial_says() {
+    let (a2, s2, e2) = (0.2_f64.powi(2), 0.03_f64.powi(2), 0.01_f64.powi(2));
+    let hyper = Hyperparameters { sample_std: s2.sqrt(), ..amplitude_alone() };
+    let (at, texture) = ([load(1.3, 2.0, 40.0)], hyper.reference);
+    let law = Sensitivity { modulus: 0.0, local_law: 0.3 };
+    let g2 = (0.3 * learned(hyper.clone(), Vec::new()).local_law().1).powi(2);
+    for (sensitivity, x2, unknown) in
+        [(Sensitivity::of_modulus(-0.5), 0.1_f64.powi(2), Unknown::Modulus), (law, g2, Unknown::LocalLaw)]
+    {
+        let patterned = Measured { flat_std: 0.0, ..measured(at[0], -0.1, e2.sqrt(), sensitivity) };
+        let cut = cut("", texture, vec![patterned]);
+        let known = learned(hyper.clone(), vec![cut]);
+        let own = [sensitivity];
+        let candidate = Candidate {
+            features: texture,
+            modelled: &[0.9],
+            sensitivity: &own,
+            covariance: &[],
+            dimension_shifts: &[],
+        };
+        let given = |p: f64| p - p * p / (p + s2 + e2) + s2;
+        let variance = |of: Prediction| of.moments(0).1.powi(2);
+        let predictor = known.at(&at);
+        for (found, expected) in [
+            (predictor.of(&candidate), given(a2 + x2)),
+            (predictor.of_known(&candidate, Unknown::Form), given(x2)),
+            (predictor.of_known(&candidate, unknown), given(a2)),
+        ] {
+            let found = variance(found);
+            assert!((found / expected - 1.0).abs() < 1e-9, "{unknown:?} {found} {expected}");
+        }
+    }
 }
 
 /// Without an effect of the texture, no trial moves a prediction: samples scatter.
