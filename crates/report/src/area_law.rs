@@ -68,12 +68,12 @@ pub struct AreaLawReport {
     /// Results at coarser pixels, if requested.
     pub resolutions: Vec<Resolution>,
     /// Results, one per pressure.
-    pub results: Vec<AreaReport>,
+    pub results: Vec<ContactArea>,
 }
 
 /// Real contact area and area factor at one pressure.
 #[derive(Clone, Debug, Serialize)]
-pub struct AreaReport {
+pub struct ContactArea {
     /// Nominal pressure.
     pub pressure_mpa: f64,
     /// Real over nominal contact area.
@@ -161,7 +161,7 @@ fn resolution_table(report: &AreaLawReport) -> Table {
 
 /// Formats the results as CSV, one row per pressure.
 pub fn table_csv(report: &AreaLawReport) -> String {
-    let rows: Vec<(usize, &AreaReport)> = report.results.iter().enumerate().collect();
+    let rows: Vec<(usize, &ContactArea)> = report.results.iter().enumerate().collect();
     let mut table = Table::of(&rows);
     table.numbers("pressure_mpa", |(_, at)| at.pressure_mpa);
     table.numbers("area_fraction", |(_, at)| at.area_fraction);
@@ -201,7 +201,7 @@ pub fn picture(report: &AreaLawReport) -> Result<String, charts::ChartError> {
     };
     // Windows may have been solved at some of the pressures only.
     let windows = report.windows.as_ref().filter(|of| of.factor_mean.len() == report.results.len());
-    let point = |(row, of): (usize, &AreaReport)| AreaPoint {
+    let point = |(row, of): (usize, &ContactArea)| AreaPoint {
         pressure_mpa: of.pressure_mpa,
         area_fraction: of.area_fraction_corrected,
         factor: of.factor.unwrap_or(1.0),

@@ -19,9 +19,9 @@ mod load_lines;
 mod parts;
 mod text;
 
-pub use effects::EffectReport;
-pub use load_lines::LoadLineReport;
-pub use parts::{PendingReport, ScatterReport};
+pub use effects::DiscrepancyEffect;
+pub use load_lines::LoadLine;
+pub use parts::{PendingTrial, SampleScatter};
 
 /// Metres per millimetre: converts an edge length per area from 1/m to 1/mm.
 const PER_MM: f64 = 1e-3;
@@ -46,9 +46,9 @@ pub struct TrialsReport {
     pub pending: Vec<String>,
     /// Predictions for the pending trials.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub predicted: Vec<PendingReport>,
+    pub predicted: Vec<PendingTrial>,
     /// Prior and posterior weights of the candidate forms of the discrepancy.
-    pub forms: Vec<FormReport>,
+    pub forms: Vec<WeightedForm>,
     /// Family of forms that the trials identify; null while the textures of the trials do not discriminate between forms.
     pub identified: Option<String>,
     /// All trials have one texture, which cannot discriminate between forms.
@@ -56,18 +56,18 @@ pub struct TrialsReport {
     pub one_texture: bool,
     /// Scatter of samples of one texture; null if the trials carry no information about it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub scatter: Option<ScatterReport>,
+    pub scatter: Option<SampleScatter>,
     /// Discrepancy at the texture measured last, and dependence of the discrepancy on pressure, speed and humidity.
-    pub effects: Vec<EffectReport>,
+    pub effects: Vec<DiscrepancyEffect>,
     /// Slope of the land between cavities, and its effect on the modelled ratios, for trials that name a map of the cut
     /// sample.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lands: Vec<LandEffect>,
     /// Fitted lines of friction force against normal force.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub load_lines: Vec<LoadLineReport>,
+    pub load_lines: Vec<LoadLine>,
     /// Coverage of the predictions: measured ratios within their intervals.
-    pub coverage: Vec<CoverageReport>,
+    pub coverage: Vec<Coverage>,
 }
 
 /// Trial with its measurements.
@@ -136,7 +136,7 @@ pub struct PredictedReport {
 
 /// Prior and posterior weight of one candidate form of the discrepancy, the model's error as a function of the texture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct FormReport {
+pub struct WeightedForm {
     /// Name of the form.
     pub form: String,
     /// Prior weight.
@@ -147,7 +147,7 @@ pub struct FormReport {
 
 /// Number of measured ratios within their predicted intervals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct CoverageReport {
+pub struct Coverage {
     /// Data that the predictions are based on.
     pub by: String,
     /// Number of ratios whose prediction is based on at least one measured ratio.
@@ -208,10 +208,10 @@ impl TrialsReport {
                 measured: of.measured.iter().enumerate().map(row).collect(),
             }
         };
-        let mut forms: Vec<FormReport> = learned
+        let mut forms: Vec<WeightedForm> = learned
             .forms()
             .iter()
-            .map(|of| FormReport { form: of.form.name(), prior: tidy(of.prior), weight: tidy(of.weight) })
+            .map(|of| WeightedForm { form: of.form.name(), prior: tidy(of.prior), weight: tidy(of.weight) })
             .collect();
         // Stable sort: forms of equal weight keep their order.
         forms.sort_by(|a, b| b.weight.total_cmp(&a.weight));
@@ -222,7 +222,7 @@ impl TrialsReport {
                 let is_within = |of: &&Surprise| (interval(of)[0]..=interval(of)[1]).contains(&of.measured);
                 predicted().filter(is_within).count()
             };
-            CoverageReport {
+            Coverage {
                 by: (*by).to_owned(),
                 ratios: predicted().count(),
                 without_any: all.len() - predicted().count(),
@@ -242,7 +242,7 @@ impl TrialsReport {
             identified: learned.identified().map(str::to_owned),
             one_texture: learned.has_one_texture(),
             forms,
-            scatter: ScatterReport::of(learned),
+            scatter: SampleScatter::of(learned),
             effects: effects(learned),
             lands: Vec::new(),
             load_lines: load_lines(flat, samples),

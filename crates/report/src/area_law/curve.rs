@@ -11,7 +11,7 @@ use slipgrid_model::material::AreaLaw;
 use slipgrid_surface::contact::{AreaPoint, ContactError};
 use slipgrid_surface::topography::PreparedMap;
 
-use super::{AreaLawReport, AreaReport};
+use super::{AreaLawReport, ContactArea};
 
 /// Options of an area-law computation.
 #[derive(Clone, Debug)]
@@ -162,7 +162,7 @@ impl AreaLawCurve {
         let law = area_law(curve, self.threshold_pa).ok();
         let persson = persson_curve(rms_slope, self.contact_modulus_pa, &self.solved_pa).ok();
         let persson = persson.and_then(|curve| area_law(&curve, self.threshold_pa).ok());
-        let report = |point: &AreaPoint| AreaReport {
+        let report = |point: &AreaPoint| ContactArea {
             pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
             area_fraction: point.area_fraction,
             area_fraction_corrected: point.area_fraction_corrected,

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use slipgrid_infer::calibrate::{Measurement, Parameter, Prediction, split_parameter_name};
 
-use super::{Fitted, StaticRow};
+use super::{Fitted, StaticPeakFit};
 use crate::ChartError;
 use crate::charts::{self, Estimate};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
@@ -32,7 +32,7 @@ pub struct FitReport {
     /// Warnings about fitted values.
     pub warnings: Vec<String>,
     /// Measured and modelled static peaks.
-    pub static_friction: Vec<StaticRow>,
+    pub static_friction: Vec<StaticPeakFit>,
 }
 
 fn finite(value: f64) -> Option<f64> {

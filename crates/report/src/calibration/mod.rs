@@ -6,7 +6,7 @@ mod static_friction;
 
 pub use fit_details::FitReport;
 pub(crate) use fit_details::parameter_value;
-pub use static_friction::StaticRow;
+pub use static_friction::StaticPeakFit;
 pub(crate) use static_friction::{table as static_table, words as static_words};
 
 use slipgrid_base::monitor::{Cancelled, Monitor};

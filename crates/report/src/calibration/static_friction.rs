@@ -10,7 +10,7 @@ use super::Fitted;
 
 /// Measured static peak with its modelled value.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-pub struct StaticRow {
+pub struct StaticPeakFit {
     /// Normal force on one specimen.
     pub force_n: f64,
     /// Nominal pressure.
@@ -31,10 +31,10 @@ pub struct StaticRow {
 
 impl Fitted {
     /// One row per measured static peak.
-    pub(crate) fn static_rows(&self) -> Vec<StaticRow> {
+    pub(crate) fn static_rows(&self) -> Vec<StaticPeakFit> {
         let row = |(measured, predicted): (&Measurement, &Prediction)| {
             let peak = measured.static_peak?;
-            Some(StaticRow {
+            Some(StaticPeakFit {
                 force_n: measured.force_n,
                 pressure_mpa: self.pressure_mpa(measured),
                 speed_mm_s: SPEED_MM_S.from_si(measured.speed_m_s),
@@ -51,8 +51,8 @@ impl Fitted {
 
 /// Describes the mean and the largest difference between modelled and measured static friction; `None` without a
 /// measured peak.
-pub fn words(rows: &[StaticRow]) -> Option<String> {
-    let fitted: Vec<(&StaticRow, f64)> = rows.iter().filter_map(|row| Some((row, row.residual?))).collect();
+pub fn words(rows: &[StaticPeakFit]) -> Option<String> {
+    let fitted: Vec<(&StaticPeakFit, f64)> = rows.iter().filter_map(|row| Some((row, row.residual?))).collect();
     let left = match rows.len() - fitted.len() {
         0 => String::new(),
         1 => "; 1 measured peak is not fitted".to_owned(),
@@ -74,7 +74,7 @@ pub fn words(rows: &[StaticRow]) -> Option<String> {
 }
 
 /// Table of the measured and modelled static peaks.
-pub fn table(rows: &[StaticRow]) -> Table {
+pub fn table(rows: &[StaticPeakFit]) -> Table {
     let mut table = Table::of(rows);
     table.column("F N", |row| row.force_n.to_string());
     table.column("v mm/s", |row| row.speed_mm_s.to_string());
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn the_largest_difference_is_named_with_its_sign_and_place() {
-        let row = |force_n: f64, modelled: Option<f64>| StaticRow {
+        let row = |force_n: f64, modelled: Option<f64>| StaticPeakFit {
             force_n,
             pressure_mpa: 1.0,
             speed_mm_s: 5.0,

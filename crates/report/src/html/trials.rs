@@ -7,7 +7,7 @@ use crate::Outputs;
 use crate::charts::left_out;
 use crate::friction_sheet::{FRICTION_WORDS, FrictionSheet};
 use crate::literature;
-use crate::trials::{CoverageReport, EffectReport, PredictedReport, TrialsReport};
+use crate::trials::{Coverage, DiscrepancyEffect, PredictedReport, TrialsReport};
 
 /// Minimum ratio of posterior to prior standard deviation at which an effect counts as unknown.
 const UNKNOWN: f64 = 0.9;
@@ -123,7 +123,7 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
 
 /// States how many measured ratios lay within their 95 % intervals, of the ratios that were predicted from earlier
 /// trials.
-fn headline(before: &CoverageReport) -> String {
+fn headline(before: &Coverage) -> String {
     let first = match before.without_any {
         0 => String::new(),
         1 => " The first sample's one ratio is not counted, because no trial before it says anything of it.".to_owned(),
@@ -156,16 +156,15 @@ fn next(report: &TrialsReport) -> Vec<String> {
     if report.identified.is_none() {
         all.push("A texture of another areal density, edge length and depth than those below: it would tell the forms apart.".to_owned());
     }
-    let is_narrow = |before: &&CoverageReport| {
-        before.ratios >= ENOUGH && (before.within_95 as f64) < TOO_FEW * before.ratios as f64
-    };
+    let is_narrow =
+        |before: &&Coverage| before.ratios >= ENOUGH && (before.within_95 as f64) < TOO_FEW * before.ratios as f64;
     if report.coverage.first().filter(is_narrow).is_some() {
         all.push(
             "A repeat of a texture: predictions were too narrow, and only a repeat tells the scatter of samples from a wrong form."
                 .to_owned(),
         );
     }
-    let unknown = |effect: &&EffectReport| effect.std >= UNKNOWN * effect.prior_std;
+    let unknown = |effect: &&DiscrepancyEffect| effect.std >= UNKNOWN * effect.prior_std;
     let names: Vec<&str> = report.effects.iter().skip(1).filter(unknown).map(|effect| effect.of.as_str()).collect();
     if !names.is_empty() {
         all.push(format!(
@@ -274,7 +273,7 @@ fn details(page: &mut Page, report: &TrialsReport) {
     });
 }
 
-fn share(of: &CoverageReport, within: usize) -> String {
+fn share(of: &Coverage, within: usize) -> String {
     format!("{within} ({} %)", percent((of.ratios > 0).then(|| within as f64 / of.ratios as f64), 0))
 }
 

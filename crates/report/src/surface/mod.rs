@@ -40,7 +40,7 @@ pub struct SurfaceReport {
     pub(crate) warnings: Vec<String>,
     #[serde(serialize_with = "by_key")]
     pub(crate) parameters: Vec<Parameter>,
-    pub(crate) filters: FilterReport,
+    pub(crate) filters: Filters,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) cavities: Option<Cavities>,
     /// Contribution of the shortest waves to the rms slope that the area law uses, with the map taken as one period;
@@ -53,7 +53,7 @@ pub struct SurfaceReport {
 
 /// F-operation and filters of ISO 25178-2 before the parameters are computed, and range of wavelengths in the map.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct FilterReport {
+pub(crate) struct Filters {
     /// Form that the F-operation removed: `mean`, `plane` or `second-order`.
     f_operation: &'static str,
     /// Nesting index of the S-filter; null, because no S-filter is applied.
@@ -66,7 +66,7 @@ pub(crate) struct FilterReport {
     longest_wave_um: f64,
 }
 
-impl FilterReport {
+impl Filters {
     fn new(surface: &PreparedMap) -> Self {
         let map = &surface.map;
         let [dx_m, dy_m] = [map.dx_m(), map.dy_m()];
@@ -201,7 +201,7 @@ impl SurfaceReport {
             model,
             warnings: surface.warnings.iter().map(told).collect(),
             parameters,
-            filters: FilterReport::new(surface),
+            filters: Filters::new(surface),
             cavities: cavities.clone().map(Cavities),
             short_waves,
             spectrum: spectrum.clone(),

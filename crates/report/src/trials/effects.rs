@@ -11,7 +11,7 @@ const LESS_KNOWN: f64 = 1.05;
 
 /// Discrepancy ln(measured / modelled ratio), or change of the discrepancy with pressure, speed or humidity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct EffectReport {
+pub struct DiscrepancyEffect {
     /// Name of the effect.
     pub of: String,
     /// Mean of the effect.
@@ -24,7 +24,7 @@ pub struct EffectReport {
 
 /// Effects at the texture measured last, or without trials at the reference texture: the discrepancy, and changes of
 /// the discrepancy with speed, pressure and humidity.
-pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
+pub(super) fn effects(learned: &Discrepancy) -> Vec<DiscrepancyEffect> {
     let features = learned.trials().last().map_or(learned.hyperparameters().reference, |trial| trial.features);
     let mut humidities: Vec<f64> =
         learned.trials().iter().flat_map(|trial| trial.measured.iter().map(|at| at.load.humidity)).collect();
@@ -48,7 +48,7 @@ pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
         };
         let (value, std) = moments(learned);
         let prior_std = before.as_ref().map_or(std, |before| moments(before).1);
-        EffectReport { of, value: tidy(value), std: tidy(std), prior_std: tidy(prior_std) }
+        DiscrepancyEffect { of, value: tidy(value), std: tidy(std), prior_std: tidy(prior_std) }
     };
     let mut found = vec![effect(first, at, None)];
     let faster = Load { speed_m_s: at.speed_m_s * std::f64::consts::E, ..at };
@@ -63,7 +63,7 @@ pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
 }
 
 /// States in one line each which effects are less known after the trials than before.
-pub(super) fn less_known(effects: &[EffectReport]) -> String {
+pub(super) fn less_known(effects: &[DiscrepancyEffect]) -> String {
     let less = effects.iter().filter(|effect| effect.std > LESS_KNOWN * effect.prior_std);
     less.map(|effect| {
         format!(

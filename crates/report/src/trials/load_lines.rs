@@ -13,7 +13,7 @@ const MIN_FORCES: usize = 3;
 ///
 /// N0 < 0 indicates adhesion; N0 > 0 indicates a film that bears load without friction, which does not affect s.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct LoadLineReport {
+pub struct LoadLine {
     /// `flat`, or the name of the trial.
     pub sample: String,
     /// Sliding speed.
@@ -34,7 +34,7 @@ pub struct LoadLineReport {
 
 /// Fits lines for the `flat` samples and for each of `samples`, at every speed and humidity with at least three
 /// measurements, different forces and friction that grows with force.
-pub(super) fn load_lines(flat: &[Measurement], samples: &[CutSample]) -> Vec<LoadLineReport> {
+pub(super) fn load_lines(flat: &[Measurement], samples: &[CutSample]) -> Vec<LoadLine> {
     let trials = samples.iter().map(|cut| (cut.name.as_str(), cut.measured.as_slice()));
     let mut found = Vec::new();
     for (name, rows) in std::iter::once(("flat", flat)).chain(trials) {
@@ -49,7 +49,7 @@ pub(super) fn load_lines(flat: &[Measurement], samples: &[CutSample]) -> Vec<Loa
     found
 }
 
-fn line(sample: &str, rows: &[&Measurement]) -> Option<LoadLineReport> {
+fn line(sample: &str, rows: &[&Measurement]) -> Option<LoadLine> {
     let n = rows.len() as f64;
     let mean = |of: fn(&Measurement) -> f64| rows.iter().map(|row| of(row)).sum::<f64>() / n;
     let friction_n = |row: &Measurement| row.mu_dynamic * row.force_n;
@@ -66,7 +66,7 @@ fn line(sample: &str, rows: &[&Measurement]) -> Option<LoadLineReport> {
     let slope_variance = rest / spread;
     let zero_variance = (rest / n + (friction / slope).powi(2) * slope_variance) / (slope * slope);
     let first = rows.first().filter(|_| slope > 0.0)?;
-    Some(LoadLineReport {
+    Some(LoadLine {
         sample: sample.to_owned(),
         speed_mm_s: tidy(SPEED_MM_S.from_si(first.speed_m_s)),
         humidity_pct: tidy(HUMIDITY_PCT.from_si(first.humidity)),
@@ -79,7 +79,7 @@ fn line(sample: &str, rows: &[&Measurement]) -> Option<LoadLineReport> {
 }
 
 /// Table of the fitted lines.
-pub(super) fn table(lines: &[LoadLineReport]) -> Table {
+pub(super) fn table(lines: &[LoadLine]) -> Table {
     let mut table = Table::of(lines);
     table.column("sample", |of| of.sample.clone());
     table.column("v mm/s", |of| of.speed_mm_s.to_string());

@@ -13,7 +13,7 @@ use super::{PER_MM, TrialsReport};
 
 /// Pending sample with its predictions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct PendingReport {
+pub struct PendingTrial {
     /// Name of the sample.
     pub name: String,
     /// Areal density: share of the face that is cavity.
@@ -26,7 +26,7 @@ pub struct PendingReport {
     pub predicted: Vec<RatioPrediction>,
 }
 
-impl PendingReport {
+impl PendingTrial {
     fn new(of: &Trial, learned: &Discrepancy) -> Self {
         let loads: Vec<_> = of.measured.iter().map(|at| at.load).collect();
         let sensitivity: Vec<Sensitivity> = of.measured.iter().map(|at| at.sensitivity).collect();
@@ -48,7 +48,7 @@ const BELIEVED: f64 = 0.5;
 
 /// Standard deviation of ln(ratio) between samples of one texture, for samples without an individually stated scatter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct ScatterReport {
+pub struct SampleScatter {
     /// Stated scatter, or the default if none was stated.
     pub stated: f64,
     /// Posterior weight of the stated scatter.
@@ -57,7 +57,7 @@ pub struct ScatterReport {
     pub found: f64,
 }
 
-impl ScatterReport {
+impl SampleScatter {
     /// Scatter of samples from the trials of `learned`; `None` if trials cannot change the scatter, because it is
     /// stated as zero or for every trial.
     pub(super) fn of(learned: &Discrepancy) -> Option<Self> {
@@ -95,7 +95,7 @@ impl TrialsReport {
     ) -> Result<Self, Cancelled> {
         let Learned { discrepancy, pending, lands, .. } = learned;
         let ledger = Self::new(name, &task.flat, &task.trials.samples, discrepancy, monitor)?;
-        let predicted = pending.iter().map(|sample| PendingReport::new(sample, discrepancy)).collect();
+        let predicted = pending.iter().map(|sample| PendingTrial::new(sample, discrepancy)).collect();
         Ok(Self { predicted, lands: lands.clone(), ..ledger }.with_warnings(doubts.to_vec()))
     }
 }

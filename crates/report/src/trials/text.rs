@@ -9,7 +9,7 @@ use slipgrid_design::results::{
 use slipgrid_infer::discrepancy::Form;
 
 use super::effects::less_known;
-use super::{CoverageReport, MeasuredReport, PendingReport, TrialReport, TrialsReport, load_lines};
+use super::{Coverage, MeasuredReport, PendingTrial, TrialReport, TrialsReport, load_lines};
 
 /// Maximum standard deviation of a ratio, in per cent, that is stated as a number; larger ones are stated in words.
 const MAX_STD_PCT: f64 = 50.0;
@@ -88,7 +88,7 @@ impl TrialsReport {
 
     /// Table of predictions for samples that are not measured yet.
     pub(crate) fn pending_table(&self) -> Table {
-        let rows: Vec<(&PendingReport, &RatioPrediction)> =
+        let rows: Vec<(&PendingTrial, &RatioPrediction)> =
             self.predicted.iter().flat_map(|of| of.predicted.iter().map(move |at| (of, at))).collect();
         let mut table = Table::of(&rows);
         table.column("pending", |(of, _)| of.name.clone());
@@ -208,7 +208,7 @@ impl TrialsReport {
     }
 }
 
-impl CoverageReport {
+impl Coverage {
     /// States the number of ratios within their predicted intervals in one line.
     fn text(&self) -> String {
         let Self { by, ratios, without_any, within_68, within_95 } = self;
