@@ -25,7 +25,7 @@ use draws::{around, is_within};
 use generator::{Generator, Sizes};
 use physics::{LOADS, Solved};
 use policy::{Informed, Known, Told, all_dimension_shifts, candidate, learned, wanted};
-use slipgrid_validate::StudyError;
+use slipgrid_io::Failure;
 use truth::Laboratory;
 
 pub use policy::Policy;
@@ -160,8 +160,8 @@ struct Begun {
 /// Runs every policy in every laboratory from every start.
 ///
 /// # Errors
-/// [`StudyError::Cancelled`] once `monitor` has cancelled.
-pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Result<LaboratoriesReport, StudyError> {
+/// [`Failure::Cancelled`] once `monitor` has cancelled.
+pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Result<LaboratoriesReport, Failure> {
     let bench = Bench::new(options, monitor)?;
     let stage = Stage::new(monitor, "laboratories", None);
     let jobs = Job::all(options, policies);
@@ -174,7 +174,7 @@ pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Res
             stage.advance(share);
             way
         })
-        .collect::<Result<_, StudyError>>()?;
+        .collect::<Result<_, Failure>>()?;
     stage.finish();
     Ok(LaboratoriesReport::new(options, bench.textures(), &jobs, &ways))
 }
@@ -225,8 +225,8 @@ impl Bench {
     /// Solves the textures.
     ///
     /// # Errors
-    /// [`StudyError::Cancelled`] once `monitor` has cancelled.
-    pub fn new(options: &Options, monitor: &dyn Monitor) -> Result<Self, StudyError> {
+    /// [`Failure::Cancelled`] once `monitor` has cancelled.
+    pub fn new(options: &Options, monitor: &dyn Monitor) -> Result<Self, Failure> {
         let stage = Stage::new(monitor, "textures", None);
         let textures = physics::textures(options.steps, &stage)?;
         stage.finish();
@@ -264,8 +264,8 @@ impl Bench {
     /// Runs one laboratory until a sample is on target, or up to the maximum number of trials.
     ///
     /// # Errors
-    /// [`StudyError::Failed`] if nothing can be learned from the trials.
-    pub fn way(&self, job: Job) -> Result<Way, StudyError> {
+    /// [`Failure::Failed`] if nothing can be learned from the trials.
+    pub fn way(&self, job: Job) -> Result<Way, Failure> {
         let (Self { options, textures, dimension_shifts, .. }, policy) = (self, job.policy);
         let Begun { mut laboratory, truths, target, mut cut, mut trials } = self.begin(job);
         let (wanted, judged_from) = (wanted(&target), trials.len());

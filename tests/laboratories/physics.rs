@@ -7,7 +7,7 @@ use slipgrid_infer::discrepancy::{Features, Load, Sensitivity};
 use slipgrid_model::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
 use slipgrid_model::springblock::{Scene, SteadyCell};
 
-use slipgrid_validate::StudyError;
+use slipgrid_io::Failure;
 use slipgrid_validate::accuracy::paper_scene;
 
 /// Nominal pressures, in pascals.
@@ -78,9 +78,9 @@ pub fn loads() -> [Load; LOADS] {
 /// squares, and the published squares as the last texture.
 ///
 /// # Errors
-/// [`StudyError`] if the built-in scene cannot be solved, or if the monitor cancels.
-pub fn textures(steps: usize, monitor: &dyn Monitor) -> Result<Vec<Solved>, StudyError> {
-    let failed = |error: &dyn std::fmt::Display| StudyError::Failed(format!("the built-in scene: {error}"));
+/// [`Failure`] if the built-in scene cannot be solved, or if the monitor cancels.
+pub fn textures(steps: usize, monitor: &dyn Monitor) -> Result<Vec<Solved>, Failure> {
+    let failed = |error: &dyn std::fmt::Display| Failure::Failed(format!("the built-in scene: {error}"));
     let scene = paper_scene()?;
     let mut loads = Vec::new();
     for pressure_pa in PRESSURES_PA {
@@ -89,7 +89,7 @@ pub fn textures(steps: usize, monitor: &dyn Monitor) -> Result<Vec<Solved>, Stud
     let scene = Scene { loads, ..scene };
     let squares =
         Scene { layer: slipgrid_model::springblock::Layer { block_m: SQUARE_BLOCK_M, ..scene.layer }, ..scene.clone() };
-    let at = |scene: &Scene| -> Result<Vec<Scene>, StudyError> {
+    let at = |scene: &Scene| -> Result<Vec<Scene>, Failure> {
         LOG_MODULI
             .iter()
             .map(|&log| moved(scene, &[0.0; LOADS], ScaleShift { log, is_fitted: false }, 0.0))

@@ -10,7 +10,7 @@ use super::draws::{Draws, around, between};
 use super::generator::{Generator, Seen, logs};
 use super::physics::{LOADS, Solved, loads};
 use super::truth::{MODULUS_STD, TOLERANCE, dimension_shifts};
-use slipgrid_validate::StudyError;
+use slipgrid_io::Failure;
 
 /// Standard deviation of the Gaussian process.
 const PROCESS_STD: f64 = 0.2;
@@ -92,10 +92,10 @@ pub fn wanted(target: &[f64; LOADS]) -> Wanted {
 /// Learns the discrepancy from `trials` and prepares predictions at the loads.
 ///
 /// # Errors
-/// [`StudyError`] if the trials are invalid.
-pub fn learned(hyper: &Hyperparameters, trials: &[Trial]) -> Result<Predictor, StudyError> {
+/// [`Failure`] if the trials are invalid.
+pub fn learned(hyper: &Hyperparameters, trials: &[Trial]) -> Result<Predictor, Failure> {
     let failed =
-        |error: slipgrid_infer::discrepancy::DiscrepancyError| StudyError::Failed(format!("laboratories: {error}"));
+        |error: slipgrid_infer::discrepancy::DiscrepancyError| Failure::Failed(format!("laboratories: {error}"));
     let found = Discrepancy::new(hyper.clone(), Conditions::default(), MODULUS_STD, trials.to_vec()).map_err(failed)?;
     Ok(found.at(&loads()))
 }
@@ -168,8 +168,8 @@ impl Policy {
     /// Index of the texture to cut next.
     ///
     /// # Errors
-    /// [`StudyError`] if the trials are invalid, or if every texture has been cut.
-    pub fn next(self, known: &Known<'_>) -> Result<usize, StudyError> {
+    /// [`Failure`] if the trials are invalid, or if every texture has been cut.
+    pub fn next(self, known: &Known<'_>) -> Result<usize, Failure> {
         let is_open = |place: &usize| !known.cut.contains(place);
         let nearest = |ratio: &dyn Fn(usize, usize) -> f64| {
             let misfit = |place: usize| {
@@ -183,7 +183,7 @@ impl Policy {
             |load: usize| -> Vec<f64> { known.trials.iter().map(|trial| trial.measured[load].log_excess()).collect() };
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
         let at_load: Vec<f64> = (0..LOADS).map(|load| mean(&excess(load))).collect();
-        let by_chance = |hyper: &Hyperparameters| -> Result<Option<usize>, StudyError> {
+        let by_chance = |hyper: &Hyperparameters| -> Result<Option<usize>, Failure> {
             let predictor = learned(hyper, known.trials)?;
             let (wanted, textures, shifts) = (wanted(known.target), known.textures, known.dimension_shifts);
             let value = |place: usize, score: fn(&Wanted, &Distribution, &[f64]) -> Score| {
@@ -214,7 +214,7 @@ impl Policy {
             }
             Self::Last => by_factor(&|load| excess(load).last().copied().unwrap_or(0.0).exp()),
         };
-        found.ok_or_else(|| StudyError::Failed("laboratories: every texture has been cut".to_owned()))
+        found.ok_or_else(|| Failure::Failed("laboratories: every texture has been cut".to_owned()))
     }
 }
 
@@ -244,8 +244,8 @@ impl<'a> Informed<'a> {
     /// Computes the posterior from the measurements and the additional knowledge `told`.
     ///
     /// # Errors
-    /// [`StudyError::Failed`] if no drawn laboratory is consistent with the knowledge.
-    pub fn new(generator: &'a Generator, told: Told, known: &Known<'_>) -> Result<Self, StudyError> {
+    /// [`Failure::Failed`] if no drawn laboratory is consistent with the knowledge.
+    pub fn new(generator: &'a Generator, told: Told, known: &Known<'_>) -> Result<Self, Failure> {
         let seen = |(number, (trial, place)): (usize, (&Trial, &usize))| {
             Seen::new(trial, *place, told.is_missed && number >= known.judged_from)
         };
@@ -260,7 +260,7 @@ impl<'a> Informed<'a> {
             }
         }
         if draws.all.is_empty() {
-            return Err(StudyError::Failed("laboratories: none that was drawn can be the one at hand".to_owned()));
+            return Err(Failure::Failed("laboratories: none that was drawn can be the one at hand".to_owned()));
         }
         let chances = draws.chances(generator, &wanted);
         Ok(Self { generator, draws, chances, noise: known.noise })
@@ -269,11 +269,11 @@ impl<'a> Informed<'a> {
     /// Index of the texture with the highest chance that has not been cut.
     ///
     /// # Errors
-    /// [`StudyError::Failed`] if every texture has been cut.
-    pub fn next(&self, known: &Known<'_>) -> Result<usize, StudyError> {
+    /// [`Failure::Failed`] if every texture has been cut.
+    pub fn next(&self, known: &Known<'_>) -> Result<usize, Failure> {
         let open = (0..self.chances.len()).filter(|place| !known.cut.contains(place));
         let best = open.max_by(|a, b| self.chances[*a].total_cmp(&self.chances[*b]));
-        best.ok_or_else(|| StudyError::Failed("laboratories: every texture has been cut".to_owned()))
+        best.ok_or_else(|| Failure::Failed("laboratories: every texture has been cut".to_owned()))
     }
 
     /// Chance that a sample of the texture at `place` is on target.
@@ -289,7 +289,7 @@ impl<'a> Informed<'a> {
 
 /// Texture with the largest expected improvement by the Gaussian process: decrease of the minimum misfit, which is the
 /// largest over all loads.
-fn improvement(known: &Known<'_>) -> Result<Option<usize>, StudyError> {
+fn improvement(known: &Known<'_>) -> Result<Option<usize>, Failure> {
     let predictor = learned(&process(), known.trials)?;
     let misfit = |ratios: &dyn Fn(usize) -> f64| {
         (0..LOADS).map(|load| (ratios(load) - known.target[load]).abs() / TOLERANCE).fold(0.0, f64::max)

@@ -45,7 +45,7 @@ fn a_few_laboratories_reach_their_targets() {
 #[test]
 fn laboratories_end_when_they_are_cancelled() {
     let found = run(&Options::default(), &Policy::ALL, &std::sync::atomic::AtomicBool::new(true));
-    assert!(matches!(found, Err(StudyError::Cancelled)), "{found:?}");
+    assert!(matches!(found, Err(Failure::Cancelled)), "{found:?}");
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn who_knows_how_laboratories_are_made_says_nothing_of_what_none_of_them_reaches
         judged_from: 0,
     };
     let found = Informed::new(&bench.generator, Told::ALL, &known).err();
-    assert!(matches!(&found, Some(StudyError::Failed(why)) if why.contains("none that was drawn")), "{found:?}");
+    assert!(matches!(&found, Some(Failure::Failed(why)) if why.contains("none that was drawn")), "{found:?}");
 }
 
 /// The share of targets that textures reach agrees with the share among random targets.

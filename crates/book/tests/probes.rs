@@ -76,7 +76,7 @@ pub const KINDS: [Kind; 5] = [
             std::fs::write(&copy, text.replace("\"scene-rims.toml\"", &format!("{base:?}"))).unwrap();
             match plan(&disk(), &copy, &slipgrid_base::monitor::Unwatched) {
                 Ok(planned) => Ok(format!("{:?}", planned.tasks)),
-                Err(slipgrid_io::campaign::CampaignError::Refused(refused)) => Err(Box::new(refused)),
+                Err(slipgrid_io::Failure::Refused(refused)) => Err(Box::new(refused)),
                 Err(other) => panic!("{other}"),
             }
         },

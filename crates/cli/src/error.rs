@@ -1,9 +1,9 @@
 use slipgrid_base::monitor::Cancelled;
 use slipgrid_model::material::MaterialError;
 
-use slipgrid_io::disk::{PlaceError, WriteError};
+use slipgrid_io::Failure;
+use slipgrid_io::disk::WriteError;
 use slipgrid_io::formats::Diagnostic;
-use slipgrid_io::formats::calibrated::Failure;
 
 /// Error that ends a command without a result.
 #[derive(Debug, thiserror::Error)]
@@ -39,23 +39,7 @@ macro_rules! told {
     )+};
 }
 
-told!(
-    MaterialError,
-    WriteError,
-    slipgrid_design::results::NoJsonForm,
-    slipgrid_report::ChartError,
-    slipgrid_report::ReportError,
-    slipgrid_io::formats::written_material::UnwritableMaterial,
-);
-
-impl From<PlaceError> for CliError {
-    fn from(error: PlaceError) -> Self {
-        match error {
-            PlaceError::Refused(refused) => Self::Input(refused),
-            PlaceError::Unwritable(error) => error.into(),
-        }
-    }
-}
+told!(MaterialError, WriteError, slipgrid_design::results::NoJsonForm, slipgrid_report::ChartError);
 
 impl From<slipgrid_studio::StudioError> for CliError {
     fn from(error: slipgrid_studio::StudioError) -> Self {
@@ -76,17 +60,8 @@ impl From<Failure> for CliError {
     fn from(error: Failure) -> Self {
         match error {
             Failure::Refused(refused) => Self::Input(refused),
+            Failure::SeveralRefused(reason) => Self::Inputs(reason),
             Failure::Cancelled => Self::Interrupted,
-            Failure::Failed(reason) => Self::Other(reason),
-        }
-    }
-}
-
-impl From<slipgrid_validate::StudyError> for CliError {
-    fn from(error: slipgrid_validate::StudyError) -> Self {
-        match error {
-            slipgrid_validate::StudyError::Input(refused) => Self::Input(refused),
-            slipgrid_validate::StudyError::Cancelled => Self::Interrupted,
             other => Self::Other(other.to_string()),
         }
     }

@@ -1,13 +1,11 @@
 //! Atomic writing of files. An existing file is replaced only if slipgrid wrote it.
 
-use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::{CliError, interruption};
+use slipgrid_io::Failure;
 use slipgrid_io::disk::quoted_word;
 pub use slipgrid_io::disk::{Place, ResultFolder, WriteError, check_file, check_folder};
-use slipgrid_io::disk::{PlaceError, put_unless, refuse_foreign};
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_report::Outputs;
 
@@ -55,26 +53,17 @@ pub fn add(outputs: &Outputs, folder: &ResultFolder) -> Result<(), WriteError> {
 ///
 /// # Errors
 /// Same as [`ResultFolder::open`].
-pub fn open(path: Option<&PathBuf>, patterns: &[&str], inputs: &[PathBuf]) -> Result<Option<ResultFolder>, PlaceError> {
+pub fn open(path: Option<&PathBuf>, patterns: &[&str], inputs: &[PathBuf]) -> Result<Option<ResultFolder>, Failure> {
     path.map(|path| ResultFolder::open(Place::output(path), patterns, inputs)).transpose()
 }
 
 /// Writes one file atomically, and makes its folder if needed. An existing device or pipe is written directly.
 ///
 /// # Errors
-/// [`WriteError`] if the system refuses, Ctrl-C was pressed, or slipgrid did not write the existing file; `path` then
-/// keeps its content.
-pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let failed = WriteError::at(path);
-    if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
-        // A device or a pipe is opened for writing; renaming a file to its path would remove it.
-        let mut device = fs::File::options().write(true).open(path).map_err(&failed)?;
-        return device.write_all(bytes).map_err(&failed);
-    }
-    // The target of a link is replaced, not the link.
-    let path = &fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    refuse_foreign(path)?;
-    put_unless(path, bytes, &interruption::asked).map_err(&failed)?;
+/// [`Failure`] if the system refuses, Ctrl-C was pressed, or slipgrid did not write the existing file; `path` then keeps
+/// its content.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    slipgrid_io::disk::write_file(Place::output(path), bytes, &[], &interruption::asked)?;
     interruption::wrote(path);
     Ok(())
 }

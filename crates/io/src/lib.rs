@@ -6,6 +6,7 @@
 //! | [`campaign`] | many scenes or designs as tasks for any number of machines |
 //! | [`Outputs`] | files of one result, in memory |
 //! | [`disk`] | access to files, results and the cache on a disk |
+//! | [`Failure`] | why work on files gave no result |
 //!
 //! Only [`disk`] opens files, reads the clock or the environment; nothing prints. [`schemas()`] describes the files that are read as
 //! JSON schemas.
@@ -20,9 +21,11 @@
 
 pub mod campaign;
 pub mod disk;
+mod failure;
 pub mod formats;
 mod outputs;
 mod schemas;
 
+pub use failure::Failure;
 pub use outputs::{Content, Outputs};
 pub use schemas::{record_schema, schemas, sheet_schema};

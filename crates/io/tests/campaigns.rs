@@ -9,7 +9,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use slipgrid_base::monitor::{Monitor, Unwatched};
-use slipgrid_io::campaign::{CampaignError, Engine, Folder, Outcome, Planned, Results, Share, Store, Worker, plan};
+use slipgrid_io::Failure;
+use slipgrid_io::campaign::{Engine, Folder, Outcome, Planned, Results, Share, Store, Worker, plan};
 use slipgrid_io::formats::source::{Entry, Files, Source};
 
 const SCENE: &str = "material = \"m/material.toml\"\n[pattern]\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 20.0\n\
@@ -66,7 +67,7 @@ fn given(scene: &str, campaign: &str) -> Arc<Memory> {
     Memory::of(&[("d/scene.toml", scene), ("d/m/material.toml", MATERIAL), ("d/campaign.toml", campaign)])
 }
 
-fn planned(files: &Arc<Memory>) -> Result<Planned, CampaignError> {
+fn planned(files: &Arc<Memory>) -> Result<Planned, Failure> {
     plan(&(Arc::clone(files) as Source), Path::new("d/campaign.toml"), &Unwatched)
 }
 
@@ -190,7 +191,7 @@ fn a_worker_stops_when_told_and_goes_on_later() {
         folder(&store).keep(&planned).unwrap();
         let told = Told { asked: AtomicUsize::new(0), cancels };
         match folder(&store).work(Share::ALL, 1, Some(150.0), 0, &told) {
-            Err(CampaignError::Cancelled) => assert!(cancels),
+            Err(Failure::Cancelled) => assert!(cancels),
             Ok(worked) => assert!(!cancels && worked.counts.missing > 0 && worked.counts.done > 0, "{worked:?}"),
             Err(error) => panic!("{error}"),
         }

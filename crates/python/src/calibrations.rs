@@ -1,12 +1,13 @@
 //! Calibrations: fits a material to measurements on samples, and learns from trials.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use slipgrid::calibrate::Selection;
-use slipgrid::disk::disk;
-use slipgrid::formats::calibrated::{self, calibrate, learn};
+use slipgrid::disk::{Disk, disk};
+use slipgrid::formats::calibrated::{calibrate, learn};
 use slipgrid::formats::calibration::Calibration as Read;
 use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::made_from::MadeFrom;
@@ -19,7 +20,7 @@ use slipgrid::report::trials::TrialsReport;
 use slipgrid::results::json;
 
 use crate::errors::{Failure, failed};
-use crate::origin::{Anchored, Contents, Origin, Parts};
+use crate::origin::{Contents, Origin, Parts, to_absolute};
 use crate::output::{Named, Told, contents};
 use crate::progress::watched;
 use crate::threads::{detached, in_pool};
@@ -56,7 +57,7 @@ pub struct Calibration {
 pub struct Fitted {
     found: Found,
     path: PathBuf,
-    disk: Anchored,
+    disk: Disk,
 }
 
 #[pymethods]
@@ -137,8 +138,9 @@ impl Calibration {
 impl Fitted {
     /// The material file at `output`, with `[made_from]` if the calibration is a file.
     fn material_toml(&self, py: Python<'_>, output: PathBuf) -> Result<String, Failure> {
-        let output = self.disk.to_absolute(output);
-        let made_from = MadeFrom::new(&self.found.calibration, &self.path, &output, &self.disk.source());
+        let output = to_absolute(&self.disk, output);
+        let files: Source = Arc::new(self.disk.clone());
+        let made_from = MadeFrom::new(&self.found.calibration, &self.path, &output, &files);
         in_pool(py, || material_toml(&self.found.task, &self.found.outcome, made_from))?.map_err(failed)
     }
 

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 use rayon::prelude::*;
 use slipgrid::design::{DesignOutcome, Explored, NextOptions, NoCache, explore_bounds, next_trials, run};
-use slipgrid::formats::calibrated::{self, complete_by, read_calibration};
+use slipgrid::formats::calibrated::{complete_by, read_calibration};
 use slipgrid::formats::calibration::Calibration;
 use slipgrid::formats::confirmed_scene::steady_scene;
 use slipgrid::formats::file_kind::FileKind;
@@ -18,7 +18,7 @@ use slipgrid::formats::{Diagnostic, design::Design as Read};
 use slipgrid::monitor::Monitor;
 use slipgrid::pattern::Pattern;
 use slipgrid::report::html::exploration;
-use slipgrid::report::{LaserFile, Outputs, ReportError, draw, files};
+use slipgrid::report::{LaserFile, Outputs, draw, files};
 use slipgrid::results::{json, json_and_timings};
 use slipgrid::units::{PRESSURE_MPA, tidy};
 
@@ -65,7 +65,7 @@ const BESIDE: usize = 5;
 
 impl Design {
     /// Returns the design with its material; calibrates at the first call only.
-    fn completed(&self, watch: &Watch) -> Result<(Read, Option<Calibration>), calibrated::Failure> {
+    fn completed(&self, watch: &Watch) -> Result<(Read, Option<Calibration>), slipgrid::Failure> {
         let known = || self.completed.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = known().as_ref() {
             return Ok(known.clone());
@@ -283,7 +283,7 @@ impl Designed {
         let outputs = in_pool(py, || {
             let mut outputs = files::of_design(&self.0)?;
             files::add_report(&self.0, &mut outputs)?;
-            Ok::<_, ReportError>(outputs)
+            Ok::<_, slipgrid::Failure>(outputs)
         })?;
         contents(&outputs.map_err(failed)?)
     }

@@ -5,10 +5,8 @@ use std::fmt::Display;
 use pyo3::exceptions::{PyRuntimeError, PyTimeoutError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use slipgrid::campaign::CampaignError;
 use slipgrid::design::DesignError;
 use slipgrid::formats::Diagnostic;
-use slipgrid::formats::calibrated;
 use slipgrid::formats::design::Design;
 use slipgrid::monitor::Cancelled;
 
@@ -23,7 +21,7 @@ pub enum Failure {
     Failed(String),
     /// Exception for work that was cancelled without a Python exception.
     Stopped,
-    /// Any other exception.
+    /// Any other exception, such as `OSError` for a file that cannot be written.
     Raised(PyErr),
 }
 
@@ -60,21 +58,14 @@ impl From<Cancelled> for Failure {
     }
 }
 
-impl From<calibrated::Failure> for Failure {
-    fn from(error: calibrated::Failure) -> Self {
-        match error {
-            calibrated::Failure::Refused(refused) => Self::Refused(refused),
-            calibrated::Failure::Cancelled => Self::Stopped,
-            calibrated::Failure::Failed(reason) => Self::Failed(reason),
-        }
-    }
-}
-
-impl From<CampaignError> for Failure {
-    fn from(error: CampaignError) -> Self {
-        match error {
-            CampaignError::Refused(refused) => Self::Refused(refused),
-            CampaignError::Cancelled => Self::Stopped,
+impl From<slipgrid::Failure> for Failure {
+    fn from(failure: slipgrid::Failure) -> Self {
+        match failure {
+            slipgrid::Failure::Refused(refused) => Self::Refused(refused),
+            slipgrid::Failure::Unwritable(error) => {
+                Self::Raised(std::io::Error::new(error.source.kind(), error.to_string()).into())
+            }
+            slipgrid::Failure::Cancelled => Self::Stopped,
             error => failed(error),
         }
     }

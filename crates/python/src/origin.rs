@@ -71,55 +71,15 @@ impl Files for Remembered {
     }
 }
 
-/// File source on the disk with relative paths from a fixed folder, independent of the process's current folder.
-#[derive(Clone, Debug)]
-pub struct Anchored {
-    folder: PathBuf,
+/// The disk, with relative paths from the current folder of this moment.
+fn here() -> Disk {
+    Disk::from_folder(std::env::current_dir().unwrap_or_default())
 }
 
-impl Anchored {
-    /// Uses the current folder as the fixed folder.
-    fn here() -> Self {
-        Self { folder: std::env::current_dir().unwrap_or_default() }
-    }
-
-    /// Resolves `path` from the fixed folder.
-    fn place(&self, path: &Path) -> PathBuf {
-        self.folder.join(path)
-    }
-
-    /// Converts to a source of files.
-    pub fn source(&self) -> Source {
-        Arc::new(self.clone())
-    }
-
-    /// Makes a `path` relative to the current folder absolute; keeps it if the current folder is still the fixed folder.
-    pub fn to_absolute(&self, path: PathBuf) -> PathBuf {
-        let here = Self::here();
-        if here.folder == self.folder { path } else { here.place(&path) }
-    }
-}
-
-impl Files for Anchored {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        Disk.read(&self.place(path))
-    }
-
-    fn stream(&self, path: &Path) -> io::Result<Box<dyn io::Read>> {
-        Disk.stream(&self.place(path))
-    }
-
-    fn entry(&self, path: &Path) -> io::Result<Entry> {
-        Disk.entry(&self.place(path))
-    }
-
-    fn names(&self, folder: &Path) -> Vec<String> {
-        Disk.names(&self.place(folder))
-    }
-
-    fn canonical(&self, path: &Path) -> PathBuf {
-        Disk.canonical(&self.place(path))
-    }
+/// Makes a `path` relative to the current folder absolute; keeps it if `disk` starts from the current folder.
+pub fn to_absolute(disk: &Disk, path: PathBuf) -> PathBuf {
+    let here = here();
+    if here == *disk { path } else { here.place(&path) }
 }
 
 /// Input for a scene, design or calibration: its text, `None` to read it from its file; contents of objects in the text
@@ -141,7 +101,7 @@ pub struct Origin {
     /// The scene, design or calibration is a copy, whose warnings were given when the original was made.
     pub is_copy: bool,
     /// The disk, with relative paths from the current folder at construction.
-    pub disk: Anchored,
+    pub disk: Disk,
     files: Arc<Remembered>,
 }
 
@@ -155,8 +115,8 @@ impl Origin {
         let (text, objects, copied) = given;
         let (is_copy, is_read) = (copied.is_some(), text.is_none());
         let text = text.map_or_else(|| Ok(Document::read(&disk(), &path, kind)?.text().to_owned()), Ok)?;
-        let disk = Anchored::here();
-        let beyond = if is_copy { Arc::new(NoFiles) } else { disk.source() };
+        let disk = here();
+        let beyond = if is_copy { Arc::new(NoFiles) as Source } else { Arc::new(disk.clone()) };
         let (is_file, files) = copied.unwrap_or_else(|| (is_read, Contents::new()));
         let all = files.into_iter().chain(objects.into_iter().flatten());
         let known = all.map(|(path, bytes)| (path.into(), Some(bytes.into()))).collect();

@@ -1,10 +1,9 @@
 //! Writing of files for Python: as on the command line, input files of a run and files of other programs are never replaced.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
-use slipgrid::disk::{Place, PlaceError};
+use slipgrid::disk::Place;
 use slipgrid::report::{Content, Outputs};
 
 use crate::errors::{Failure, failed};
@@ -27,18 +26,6 @@ pub fn contents(outputs: &Outputs) -> Result<Vec<Named>, Failure> {
     outputs.iter().map(content).collect()
 }
 
-/// Converts a refused path to `InputError`, and a system error to `OSError`.
-impl From<PlaceError> for Failure {
-    fn from(error: PlaceError) -> Self {
-        match error {
-            PlaceError::Refused(refused) => Self::Refused(refused),
-            PlaceError::Unwritable(error) => {
-                Self::Raised(io::Error::new(error.source.kind(), error.to_string()).into())
-            }
-        }
-    }
-}
-
 const fn file_at(path: &Path) -> Place<'_> {
     Place { flag: "path", path }
 }
@@ -53,7 +40,7 @@ pub fn write_folder(py: Python<'_>, files: Vec<Named>, folder: PathBuf, inputs: 
 /// Writes one file; refuses to replace one of `inputs`, the files that the content was made from.
 #[pyfunction]
 pub fn write_file(content: &[u8], path: PathBuf, inputs: Vec<PathBuf>) -> Result<(), Failure> {
-    Ok(slipgrid::disk::write_file(file_at(&path), content, &inputs)?)
+    Ok(slipgrid::disk::write_file(file_at(&path), content, &inputs, &|| false)?)
 }
 
 /// Checks before a long computation that the file can be written and is none of `inputs`; raises an error otherwise.

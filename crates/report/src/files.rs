@@ -2,19 +2,20 @@
 
 use slipgrid_design::DesignOutcome;
 use slipgrid_design::results::SimulationReport;
+use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::confirmed_scene::DesignScene;
 use slipgrid_model::springblock::{Scene, Simulation};
 
 use crate::laser_files::about;
 use crate::uncertainty_budget::{self, UncertaintyBudget};
-use crate::{DrawingInput, LaserFile, Outputs, ReportError, charts, csv, draw, html, linked_data, pictures};
+use crate::{DrawingInput, Failure, LaserFile, Outputs, charts, csv, draw, html, linked_data, pictures};
 
 /// Makes the files of the design `found`, except record and page (see `add_report`): scene of the run that confirms the
 /// design, laser drawings, tables and pictures.
 ///
 /// # Errors
-/// [`ReportError`] if a file cannot be drawn or written.
-pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
+/// [`Failure`] if a file cannot be drawn or written.
+pub fn of_design(found: &DesignOutcome) -> Result<Outputs, Failure> {
     let (task, report) = (&found.task, &found.report);
     let mut outputs = Outputs::default();
     if let Some(lattice) = &found.lattice {
@@ -29,7 +30,9 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
         run: &found.scene.run,
     };
     outputs.add("scene.toml", scene.to_toml()?);
-    draw(&drawing(found), &LaserFile::ALWAYS, &mut outputs)?;
+    // The laser or the specimen of the design is refused.
+    draw(&drawing(found), &LaserFile::ALWAYS, &mut outputs)
+        .map_err(|error| Diagnostic { reason: error.to_string(), ..Diagnostic::default() })?;
     outputs.add("interface.csv", csv::interface(&found.confirmed));
     if let Some(trace) = csv::friction_trace(&found.confirmed) {
         outputs.add("friction.csv", trace);
@@ -51,8 +54,8 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
 /// pictures in `outputs`.
 ///
 /// # Errors
-/// [`ReportError`] if a value has no JSON form.
-pub fn add_report(found: &DesignOutcome, outputs: &mut Outputs) -> Result<(), ReportError> {
+/// [`Failure`] if a value has no JSON form.
+pub fn add_report(found: &DesignOutcome, outputs: &mut Outputs) -> Result<(), Failure> {
     outputs.add_record(&found.report)?;
     outputs.add(uncertainty_budget::FILE, UncertaintyBudget::csv(&UncertaintyBudget::of_design(&found.report)));
     outputs.add(linked_data::FILE, linked_data::of_design(&found.report, outputs)?);
@@ -71,8 +74,8 @@ pub fn drawing(found: &DesignOutcome) -> DrawingInput {
 /// Makes the files of a solved `scene`: record, tables and pictures.
 ///
 /// # Errors
-/// [`ReportError`] if a file cannot be drawn or written.
-pub fn of_scene(scene: &Scene, simulation: &Simulation, report: &SimulationReport) -> Result<Outputs, ReportError> {
+/// [`Failure`] if a file cannot be drawn or written.
+pub fn of_scene(scene: &Scene, simulation: &Simulation, report: &SimulationReport) -> Result<Outputs, Failure> {
     let mut outputs = Outputs::default();
     outputs.add_record(report)?;
     outputs.add("interface.csv", csv::interface(simulation));

@@ -17,7 +17,6 @@ pub mod area_law;
 pub mod calibration;
 pub mod charts;
 pub mod csv;
-mod error;
 pub mod files;
 pub mod friction_sheet;
 pub mod html;
@@ -31,7 +30,12 @@ pub mod trials;
 pub mod uncertainty_budget;
 
 pub use charts::ChartError;
-pub use error::ReportError;
 pub use laser_files::{DrawingInput, LaserFile, Unwritten, draw, draw_next, draw_with};
-pub use slipgrid_io::{Content, Outputs};
+pub use slipgrid_io::{Content, Failure, Outputs};
 pub use slipgrid_laser::export::ProcessInput;
+
+impl From<ChartError> for Failure {
+    fn from(error: ChartError) -> Self {
+        Self::failed(error)
+    }
+}

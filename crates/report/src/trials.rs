@@ -10,7 +10,7 @@ use slipgrid_infer::calibrate::{CutSample, LandEffect, Measurement, contradictin
 use slipgrid_infer::discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
 
 use crate::friction_sheet::{self, FrictionSheet};
-use crate::{Outputs, ReportError, charts, html, linked_data};
+use crate::{Failure, Outputs, charts, html, linked_data};
 use effects::effects;
 use load_lines::load_lines;
 
@@ -260,16 +260,16 @@ impl TrialsReport {
     /// Draws measured ratios beside their predictions, and against areal density, edge length and pressure, as SVG.
     ///
     /// # Errors
-    /// [`ReportError`] if the picture cannot be drawn.
-    pub fn picture(&self) -> Result<String, ReportError> {
+    /// [`Failure`] if the picture cannot be drawn.
+    pub fn picture(&self) -> Result<String, Failure> {
         Ok(charts::trials(&format!("{}: measured and predicted ratios", self.name), &self.trials)?)
     }
 
     /// Makes the files of the ledger; `sheet` is the sheet of the friction measurements.
     ///
     /// # Errors
-    /// [`ReportError`] if the picture cannot be drawn or the record has no JSON form.
-    pub fn files(&self, sheet: &FrictionSheet) -> Result<Outputs, ReportError> {
+    /// [`Failure`] if the picture cannot be drawn or the record has no JSON form.
+    pub fn files(&self, sheet: &FrictionSheet) -> Result<Outputs, Failure> {
         let mut outputs = Outputs::default();
         outputs.add("trials.csv", self.csv());
         if !self.trials.is_empty() {

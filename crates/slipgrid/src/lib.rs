@@ -18,7 +18,7 @@
 //! | [`results`], [`report`] | records of results; text, charts and pages drawn from them |
 //! | [`validate`] | the program's own evidence |
 //! | [`campaign`] | many scenes or designs as tasks that any machine can do |
-//! | [`disk`] | access to files, results and the cache on a disk |
+//! | [`disk`], [`Failure`] | access to files, results and the cache on a disk; why work on files gave no result |
 //! | [`monitor`], [`units`], [`statistics`] | progress and cancelling; units of files; deviates and quantiles |
 //!
 //! From Python, `slipgrid.Design.read("design.toml").optimize()` does the main job: see `crates/python`.
@@ -94,7 +94,7 @@ pub use slipgrid_design::results;
 pub use slipgrid_infer::calibrate;
 pub use slipgrid_infer::discrepancy;
 pub use slipgrid_io::formats;
-pub use slipgrid_io::{campaign, disk};
+pub use slipgrid_io::{Failure, campaign, disk};
 pub use slipgrid_laser::export;
 pub use slipgrid_laser::specimen;
 pub use slipgrid_model::material;

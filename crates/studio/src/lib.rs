@@ -37,8 +37,9 @@ use axum::extract::DefaultBodyLimit;
 use axum::middleware::from_fn_with_state;
 use axum::routing::{get, post, put};
 use slipgrid_base::monitor::Monitor;
+use slipgrid_io::Failure;
+use slipgrid_io::disk::KeptResults;
 use slipgrid_io::disk::lock::Lock;
-use slipgrid_io::disk::{KeptResults, PlaceError};
 
 use guard::Guard;
 use jobs::Jobs;
@@ -61,7 +62,7 @@ pub struct Program {
 pub enum StudioError {
     /// Another run works in the folder, or the folder cannot be written.
     #[error(transparent)]
-    Folder(#[from] PlaceError),
+    Folder(#[from] Failure),
     /// The system refuses threads or the network.
     #[error("the page cannot be served: {0}")]
     System(#[from] std::io::Error),

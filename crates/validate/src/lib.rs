@@ -9,7 +9,6 @@
 //! [`Monitor`](slipgrid_base::monitor::Monitor), bytes from [`slipgrid_io::formats::source::Files`].
 
 pub mod accuracy;
-mod error;
 pub mod validation;
 
-pub use error::StudyError;
+pub use slipgrid_io::Failure;

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use slipgrid_io::campaign::{CampaignError, Engine, Folder, Share, plan};
+use slipgrid_io::campaign::{Engine, Folder, Share, plan};
 
 use crate::args::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 use crate::interruption::goes_on_with;
@@ -23,7 +23,7 @@ pub fn run(args: &CampaignArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 }
 
 fn at(folder: &Path) -> Folder {
-    Folder::new(Arc::new(Disk), folder)
+    Folder::new(Arc::new(Disk::default()), folder)
 }
 
 fn planned(args: &PlanArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -73,15 +73,4 @@ fn merge(args: &MergeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     write_file(&path, table.as_bytes())?;
     console.answer(&format!("{}, in {}\n", counts.words(), path.display()))?;
     Ok(if counts.missing == 0 { exit_code::DONE } else { exit_code::FAILURE })
-}
-
-impl From<CampaignError> for CliError {
-    fn from(error: CampaignError) -> Self {
-        match error {
-            CampaignError::Refused(refused) => Self::Input(refused),
-            CampaignError::Damaged(_) => Self::Inputs(error.to_string()),
-            CampaignError::Cancelled => Self::Interrupted,
-            other => Self::Other(other.to_string()),
-        }
-    }
 }

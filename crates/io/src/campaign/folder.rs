@@ -24,8 +24,9 @@ use crate::formats::Diagnostic;
 use crate::formats::source::{Files, Source, read_text};
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::statistics::SplitMix64;
+use slipgrid_base::units::counted;
 
-use crate::campaign::CampaignError;
+use crate::Failure;
 use crate::campaign::plan::Planned;
 use crate::campaign::records::{Campaign, Task};
 use crate::campaign::results::{Counts, Results};
@@ -78,7 +79,7 @@ impl Folder {
         Self { store, path: path.to_owned() }
     }
 
-    fn put(&self, path: &Path, bytes: &[u8]) -> Result<(), CampaignError> {
+    fn put(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         Ok(self.store.put(path, bytes).map_err(WriteError::at(path))?)
     }
 
@@ -86,11 +87,10 @@ impl Folder {
     /// stay unchanged.
     ///
     /// # Errors
-    /// [`CampaignError`] if another campaign is in the folder, or the folder is not writable.
-    pub fn keep(&self, planned: &Planned) -> Result<(), CampaignError> {
+    /// [`Failure`] if another campaign is in the folder, or the folder is not writable.
+    pub fn keep(&self, planned: &Planned) -> Result<(), Failure> {
         let (path, tasks) = (self.path.join("campaign.json"), self.path.join("tasks.jsonl"));
-        let record = slipgrid_design::results::json(&planned.campaign);
-        let record = record.map_err(|error| CampaignError::Failed(error.to_string()))?;
+        let record = slipgrid_design::results::json(&planned.campaign)?;
         let lines = planned.tasks.iter().map(json_line).collect::<Result<String, _>>()?;
         let is_there = |path: &Path, text: &str| self.store.read(path).is_ok_and(|there| there == text.as_bytes());
         if self.store.entry(&path).is_ok() && !(is_there(&path, &record) && is_there(&tasks, &lines)) {
@@ -110,7 +110,7 @@ impl Folder {
         self.put(&path, record.as_bytes())
     }
 
-    fn read(&self) -> Result<(Campaign, Vec<Task>), CampaignError> {
+    fn read(&self) -> Result<(Campaign, Vec<Task>), Failure> {
         let expected = "the folder of a campaign, as `slipgrid campaign plan -o DIR` makes it";
         let source: Source = Arc::clone(&self.store) as Source;
         let path = self.path.join("campaign.json");
@@ -153,7 +153,7 @@ impl Folder {
     /// different seeds rarely do the same task.
     ///
     /// # Errors
-    /// [`CampaignError`] for a folder without a campaign, a result that cannot be written, and once `monitor` cancels;
+    /// [`Failure`] for a folder without a campaign, a result that cannot be written, and once `monitor` cancels;
     /// results written before the error are kept.
     pub fn work(
         &self,
@@ -162,7 +162,7 @@ impl Folder {
         max_s: Option<f64>,
         seed: u64,
         monitor: &dyn Monitor,
-    ) -> Result<Worked, CampaignError> {
+    ) -> Result<Worked, Failure> {
         let (campaign, tasks) = self.read()?;
         let known = self.known();
         let own = || tasks.iter().enumerate().filter(|(place, _)| place % share.of.max(1) + 1 == share.number);
@@ -188,7 +188,7 @@ impl Folder {
         monitor.kept(&results, worked.known);
         let worker = Worker::with_store(&campaign, Arc::clone(&self.store) as Source, self.path.join("inputs"));
         let stage = Stage::new(monitor, "tasks", max_s.map(|seconds| monitor.seconds() + seconds));
-        let (next, ended) = (AtomicUsize::new(0), Mutex::new((worked, None::<CampaignError>)));
+        let (next, ended) = (AtomicUsize::new(0), Mutex::new((worked, None::<Failure>)));
         let lane = || {
             loop {
                 let place = next.fetch_add(1, Ordering::Relaxed);
@@ -213,10 +213,10 @@ impl Folder {
         // Parallel tasks share nothing; with fewer tasks than threads, each task uses several threads.
         let lanes = threads.clamp(1, missing.len());
         let each = (threads / lanes).max(1);
-        std::thread::scope(|scope| -> Result<(), CampaignError> {
+        std::thread::scope(|scope| -> Result<(), Failure> {
             for _ in 0..lanes {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(each).build();
-                let pool = pool.map_err(|error| CampaignError::Failed(error.to_string()))?;
+                let pool = pool.map_err(Failure::failed)?;
                 scope.spawn(move || pool.install(lane));
             }
             Ok(())
@@ -227,14 +227,14 @@ impl Folder {
         if let Some(error) = error {
             return Err(error);
         }
-        monitor.heed().map_err(|_| CampaignError::Cancelled)?;
+        monitor.heed()?;
         worked.counts.missing = own().count() - worked.known - worked.counts.ended();
         Ok(worked)
     }
 
     /// Does one task and writes its result.
-    fn do_task(&self, worker: &Worker<'_>, task: &Task, monitor: &dyn Monitor) -> Result<Done, CampaignError> {
-        let done = worker.work(task, monitor).ok_or(CampaignError::Cancelled)?;
+    fn do_task(&self, worker: &Worker<'_>, task: &Task, monitor: &dyn Monitor) -> Result<Done, Failure> {
+        let done = worker.work(task, monitor).ok_or(Failure::Cancelled)?;
         self.put(&self.result(&task.id), json_line(&done)?.as_bytes())?;
         Ok(done)
     }
@@ -242,8 +242,8 @@ impl Folder {
     /// Collects all results and passes them to `then`.
     ///
     /// # Errors
-    /// [`CampaignError`] for a folder without a campaign, and for damaged results, listing all of them.
-    pub fn merge<T>(&self, then: impl FnOnce(&Results<'_>) -> T) -> Result<T, CampaignError> {
+    /// [`Failure`] for a folder without a campaign, and for damaged results, listing all of them.
+    pub fn merge<T>(&self, then: impl FnOnce(&Results<'_>) -> T) -> Result<T, Failure> {
         let (campaign, tasks) = self.read()?;
         let known = self.known();
         let mut results = Results::new(&campaign);
@@ -255,15 +255,19 @@ impl Folder {
             }
         }
         if !damaged.is_empty() {
-            return Err(CampaignError::Damaged(damaged));
+            let listed: String = damaged.iter().map(|one| format!("\n  {one}")).collect();
+            return Err(Failure::SeveralRefused(format!(
+                "{}; `slipgrid campaign work` on the same folder does their tasks again:{listed}",
+                counted(damaged.len(), "damaged result")
+            )));
         }
         Ok(then(&results))
     }
 }
 
 /// Formats `record` as JSON on a line of its own.
-fn json_line(record: &impl Serialize) -> Result<String, CampaignError> {
-    Ok(serde_json::to_string(record).map_err(|error| CampaignError::Failed(error.to_string()))? + "\n")
+fn json_line(record: &impl Serialize) -> Result<String, Failure> {
+    Ok(serde_json::to_string(record).map_err(Failure::failed)? + "\n")
 }
 
 /// Shuffles `items` in an order that depends on `seed` only (Fisher and Yates).

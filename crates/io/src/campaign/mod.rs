@@ -31,7 +31,6 @@
 //! through [`Store`], which adds writing to [`crate::formats::source::Files`].
 
 mod engine;
-mod error;
 mod folder;
 mod inputs;
 pub(crate) mod plan;
@@ -41,7 +40,6 @@ mod varied;
 mod worker;
 
 pub use engine::Engine;
-pub use error::CampaignError;
 pub use folder::{Folder, Share, Store, Worked};
 pub use inputs::Contents;
 pub use plan::{Planned, plan};

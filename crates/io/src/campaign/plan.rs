@@ -26,7 +26,7 @@ use slipgrid_infer::calibrate::Selection;
 use slipgrid_model::pattern::Pattern;
 use toml::{Table, Value};
 
-use crate::campaign::CampaignError;
+use crate::Failure;
 use crate::campaign::inputs::{Contents, ReadOnce, RecordedFiles};
 use crate::campaign::records::{Campaign, Kind, Task};
 use crate::campaign::varied::{GridFile, MAX_TASKS, Row, Varied, combinations};
@@ -72,8 +72,8 @@ pub(crate) struct CampaignFile {
 /// `monitor` receives progress.
 ///
 /// # Errors
-/// [`CampaignError`] for any error in the campaign or in one of its tasks.
-pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planned, CampaignError> {
+/// [`Failure`] for any error in the campaign or in one of its tasks.
+pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planned, Failure> {
     let text = read_text(files, path, FileKind::Campaign.expected())?;
     FileKind::Campaign.require(path, &text)?;
     let document = Document::within(files, path, text);
@@ -98,7 +98,7 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     let read_once = ReadOnce::new(Arc::clone(files));
     let share = 1.0 / rows.len().max(1) as f64;
     let one = |values: &Row| {
-        stage.heed().map_err(|_| CampaignError::Cancelled)?;
+        stage.heed()?;
         let noted = RecordedFiles::new(&read_once, folder);
         let source: Source = Arc::clone(&noted) as Source;
         let placed = |refused: Diagnostic| {
@@ -120,7 +120,7 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     };
     // The first refusal in the order of the tasks, whichever thread finds one.
     let planned: Vec<_> = rows.par_iter().map(one).collect();
-    let planned = planned.into_iter().collect::<Result<Vec<_>, CampaignError>>()?;
+    let planned = planned.into_iter().collect::<Result<Vec<_>, Failure>>()?;
     stage.finish();
 
     let mut known = BTreeSet::new();
@@ -145,7 +145,7 @@ fn base(
     file: &CampaignFile,
     path: &Path,
     monitor: &dyn Monitor,
-) -> Result<(Kind, String, Vec<Row>), CampaignError> {
+) -> Result<(Kind, String, Vec<Row>), Failure> {
     let text = read_text(files, path, "a scene or a design").map_err(|refused| {
         document.refuse(file.base.span(), refused.reason).expected("a scene file or a design file")
     })?;
@@ -169,10 +169,9 @@ fn base(
             })?;
             let task = &design.task;
             let known = task.material.as_ref();
-            let known = known.ok_or_else(|| CampaignError::Failed("the design has no material".to_owned()))?;
+            let known = known.ok_or_else(|| Failure::Failed("the design has no material".to_owned()))?;
             let (loads, _) = task.loads(&known.material).map_err(|refused| design.refuse(&refused))?;
-            let scene = steady_scene(task, known, &loads, first);
-            let scene = scene.map_err(|error| CampaignError::Failed(error.to_string()))?;
+            let scene = steady_scene(task, known, &loads, first)?;
             Ok((Kind::Scene, scene, patterns.iter().map(dimensions).collect()))
         }
         (Some(FileKind::Design), _) => Ok((Kind::Design, text, Vec::new())),

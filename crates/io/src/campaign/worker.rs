@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::formats::calibrated::{Failure, complete};
+use crate::formats::calibrated::complete;
 use crate::formats::design::Design;
 use crate::formats::run::Overrides;
 use crate::formats::scene::SceneInput;
@@ -15,6 +15,7 @@ use slipgrid_base::monitor::{Memory, Monitor};
 use slipgrid_design::results::{SCHEMA, SimulationReport, json_and_timings};
 use slipgrid_design::{DesignError, DesignReport, NoCache, simulate_on};
 
+use crate::Failure;
 use crate::campaign::inputs::{Contents, HashedFiles, InMemory, ReadOnce, RecordedFiles};
 use crate::campaign::records::{Campaign, Kind, Task};
 
@@ -82,8 +83,8 @@ impl<'a> Worker<'a> {
         let (outcome, reason, record) = match self.record(task, &Quiet(monitor)) {
             Ok(record) => (Outcome::Done, None, Some(record)),
             Err(Failure::Refused(refused)) => (Outcome::Refused, Some(refused.to_string()), None),
-            Err(Failure::Failed(reason)) => (Outcome::Failed, Some(reason), None),
             Err(Failure::Cancelled) => return None,
+            Err(failure) => (Outcome::Failed, Some(failure.to_string()), None),
         };
         Some(Done { schema: SCHEMA, id: task.id.clone(), outcome, reason, record })
     }
@@ -105,8 +106,8 @@ impl<'a> Worker<'a> {
             let reason = "the task is not what it was when the campaign was planned".to_owned();
             return Err(Diagnostic { reason, ..Diagnostic::default() }.into());
         }
-        let [whole, _] = whole.map_err(|error| Failure::Failed(error.to_string()))?;
-        serde_json::from_str(&whole).map_err(|error| Failure::Failed(error.to_string()))
+        let [whole, _] = whole?;
+        serde_json::from_str(&whole).map_err(Failure::failed)
     }
 }
 
@@ -134,7 +135,7 @@ fn solved(document: Document, monitor: &dyn Monitor) -> Result<SimulationReport,
         return Err(Failure::Cancelled);
     }
     let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
-    let (_, report) = input.report(simulation).map_err(|error| Failure::Failed(error.to_string()))?;
+    let (_, report) = input.report(simulation).map_err(Failure::failed)?;
     Ok(report)
 }
 
@@ -144,7 +145,7 @@ fn designed(document: Document, source: &Source, monitor: &dyn Monitor) -> Resul
     let found = slipgrid_design::run(&design.task, &mut NoCache, monitor).map_err(|error| match error {
         DesignError::Refused(refused) => design.refuse(&refused).into(),
         DesignError::Cancelled => Failure::Cancelled,
-        error => Failure::Failed(error.to_string()),
+        error => Failure::failed(error),
     })?;
     Ok(found.report)
 }

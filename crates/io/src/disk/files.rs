@@ -17,18 +17,33 @@ const MAX_BYTES: u64 = 1 << 30;
 /// Maximum size, in bytes, read from a pipe or device, which may have no end.
 const MAX_STREAM_BYTES: u64 = 1 << 26;
 
-/// File source and store for the files of the operating system.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Disk;
+/// File source and store for the files of the operating system. Relative paths start from the current folder, unless
+/// another folder is given.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Disk {
+    folder: PathBuf,
+}
+
+impl Disk {
+    /// Creates a source in which relative paths start from `folder`, independent of the process's current folder.
+    pub const fn from_folder(folder: PathBuf) -> Self {
+        Self { folder }
+    }
+
+    /// Resolves `path` from the folder of the source.
+    pub fn place(&self, path: &Path) -> PathBuf {
+        self.folder.join(path)
+    }
+}
 
 /// Returns the files of the operating system as a file source for readers.
 pub fn disk() -> Source {
-    Arc::new(Disk)
+    Arc::new(Disk::default())
 }
 
 impl Files for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        let file = File::open(path)?;
+        let file = File::open(self.place(path))?;
         let most = if file.metadata()?.is_file() { MAX_BYTES } else { MAX_STREAM_BYTES };
         let mut bytes = Vec::new();
         file.take(most + 1).read_to_end(&mut bytes)?;
@@ -39,11 +54,11 @@ impl Files for Disk {
     }
 
     fn stream(&self, path: &Path) -> io::Result<Box<dyn io::Read>> {
-        Ok(Box::new(File::open(path)?))
+        Ok(Box::new(File::open(self.place(path))?))
     }
 
     fn entry(&self, path: &Path) -> io::Result<Entry> {
-        let found = fs::metadata(path)?;
+        let found = fs::metadata(self.place(path))?;
         Ok(if found.is_dir() {
             Entry::Folder
         } else if found.is_file() {
@@ -54,17 +69,18 @@ impl Files for Disk {
     }
 
     fn names(&self, folder: &Path) -> Vec<String> {
-        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        let entries = fs::read_dir(self.place(folder)).into_iter().flatten().flatten();
         entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
     }
 
     fn canonical(&self, path: &Path) -> PathBuf {
-        path.canonicalize().unwrap_or_else(|_| path.to_owned())
+        let path = self.place(path);
+        path.canonicalize().unwrap_or(path)
     }
 }
 
 impl Store for Disk {
     fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        put(path, bytes)
+        put(&self.place(path), bytes)
     }
 }

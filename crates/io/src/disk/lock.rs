@@ -10,7 +10,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::formats::Diagnostic;
 
-use crate::disk::places::{PlaceError, WriteError};
+use crate::Failure;
+use crate::disk::places::WriteError;
 
 /// Number of attempts to lock a file that the last holder removes between opening and locking.
 const ATTEMPTS: usize = 20;
@@ -50,7 +51,7 @@ impl Lock {
     /// # Errors
     /// [`Diagnostic`] if another run holds the lock, or a folder or a foreign file is at `path`; [`WriteError`] for an
     /// error of the operating system.
-    pub fn new(path: &Path) -> Result<Self, PlaceError> {
+    pub fn new(path: &Path) -> Result<Self, Failure> {
         let failed = |source: io::Error| WriteError { path: path.to_owned(), source };
         if path.is_dir() {
             return Err(Diagnostic::file(path, "is a folder where a file is to go").expected("no such folder").into());

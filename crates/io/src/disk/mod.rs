@@ -30,7 +30,7 @@ mod written_list;
 
 pub use files::{Disk, disk};
 pub use kept_results::KeptResults;
-pub use places::{Place, PlaceError, WriteError, check_file, check_folder, refuse_foreign, write_file};
+pub use places::{Place, WriteError, check_file, check_folder, write_file};
 pub use result_folder::{ResultFolder, write_folder};
 pub use words::quoted_word;
 pub use written_list::hexadecimal;

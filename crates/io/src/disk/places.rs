@@ -4,12 +4,13 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use crate::Failure;
 use crate::disk::written::{HEAD, has_mark};
 use crate::formats::Diagnostic;
 use crate::formats::source::fits;
 
 use crate::disk::written_list::Written;
-use crate::disk::{Writing, parent, put, unfinished};
+use crate::disk::{Writing, parent, put_unless, unfinished};
 
 /// Error of the operating system while an output was written.
 #[derive(Debug, thiserror::Error)]
@@ -26,17 +27,6 @@ impl WriteError {
     pub fn at(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
         move |source| Self { path: path.to_owned(), source }
     }
-}
-
-/// Reason why results cannot be written to a place.
-#[derive(Debug, thiserror::Error)]
-pub enum PlaceError {
-    /// The output would replace a file that must not be lost, or the place is invalid.
-    #[error(transparent)]
-    Refused(#[from] Diagnostic),
-    /// The operating system refuses to write at the place.
-    #[error(transparent)]
-    Unwritable(#[from] WriteError),
 }
 
 /// A place for results, with the flag or argument by which the user names it.
@@ -88,9 +78,9 @@ impl<'a> Place<'a> {
 /// written, where one `*` stands for any characters and `/` for subfolders; `inputs` are files that the run reads.
 ///
 /// # Errors
-/// [`PlaceError`] if the place is not a folder, is not writable, or holds a file to be replaced that is an input or was
+/// [`Failure`] if the place is not a folder, is not writable, or holds a file to be replaced that is an input or was
 /// not written by slipgrid.
-pub fn check_folder(place: Place<'_>, names: &[&str], inputs: &[PathBuf]) -> Result<(), PlaceError> {
+pub fn check_folder(place: Place<'_>, names: &[&str], inputs: &[PathBuf]) -> Result<(), Failure> {
     let folder = place.path;
     place.check_link()?;
     if folder.exists() && !folder.is_dir() {
@@ -122,9 +112,9 @@ pub(crate) fn matching(folder: &Path, pattern: &str) -> Vec<PathBuf> {
 /// Checks, before long work starts, that a result can be written to a file; `inputs` are files that the run reads.
 ///
 /// # Errors
-/// [`PlaceError`] if the place is a folder, is not writable, or holds a file that is an input or was not written by
+/// [`Failure`] if the place is a folder, is not writable, or holds a file that is an input or was not written by
 /// slipgrid.
-pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), PlaceError> {
+pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), Failure> {
     place.check_link()?;
     if place.path.is_dir() {
         return Err(place.refuse("is a folder").expected("a file").into());
@@ -137,24 +127,22 @@ pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), PlaceError
     Ok(())
 }
 
-/// Writes `bytes` to the file at `place`; `inputs` are files from which the content was computed; they are never
-/// replaced.
+/// Writes `bytes` to the file at `place` and creates its folder if needed; `inputs` are files from which the content was
+/// computed; they are never replaced. Ends with an error once `is_cancelled` returns true.
 ///
 /// # Errors
-/// [`PlaceError`], as in [`check_file`], or for an error of the operating system.
-pub fn write_file(place: Place<'_>, bytes: &[u8], inputs: &[PathBuf]) -> Result<(), PlaceError> {
+/// [`Failure`], as in [`check_file`], or for an error of the operating system.
+pub fn write_file(
+    place: Place<'_>,
+    bytes: &[u8],
+    inputs: &[PathBuf],
+    is_cancelled: &dyn Fn() -> bool,
+) -> Result<(), Failure> {
     check_file(place, inputs)?;
-    Ok(write_at(place.path, bytes)?)
-}
-
-fn write_at(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let failed = WriteError::at(path);
-    if is_device(path) {
-        return fs::write(path, bytes).map_err(&failed);
-    }
-    // Replace the target of a link, not the link.
-    let leads_to = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    put(&leads_to, bytes).map_err(failed)
+    // The target of a link is replaced, not the link; a device is opened, because a renamed file would replace it.
+    let path = fs::canonicalize(place.path).unwrap_or_else(|_| place.path.to_owned());
+    let written = if is_device(&path) { fs::write(&path, bytes) } else { put_unless(&path, bytes, is_cancelled) };
+    Ok(written.map_err(WriteError::at(place.path))?)
 }
 
 /// Whether `path` is a device or a pipe, which holds no data to lose and must not be replaced by a file.
@@ -182,14 +170,6 @@ fn is_ours(folder: &Path, path: &Path) -> bool {
     head.is_empty() || has_mark(&name, &head) || Written::read(folder).holds(folder, path)
 }
 
-/// Refuses to replace a file not written by slipgrid.
-///
-/// # Errors
-/// [`WriteError`] if the file at `path` exists and was not written by slipgrid.
-pub fn refuse_foreign(path: &Path) -> Result<(), WriteError> {
-    refuse_foreign_in(parent(path), path.file_name().map_or(path, Path::new))
-}
-
 /// Refuses to replace a file in `folder` that slipgrid did not write.
 ///
 /// # Errors
@@ -202,7 +182,7 @@ pub(crate) fn refuse_foreign_in(folder: &Path, path: &Path) -> Result<(), WriteE
     Err(WriteError { path: file, source: io::Error::other("slipgrid did not write the file that is there") })
 }
 
-fn check_parents(place: Place<'_>) -> Result<(), PlaceError> {
+fn check_parents(place: Place<'_>) -> Result<(), Failure> {
     let path = place.path;
     let blocking = path.ancestors().skip(1).find(|above| above.exists());
     match blocking {
@@ -276,7 +256,7 @@ mod tests {
         write_folder(folder, &files(&["a.stl"]), &[]).unwrap();
         let refused = write_folder(folder, &files(&["a.stl"]), &[at("a.stl")]).unwrap_err().to_string();
         assert!(refused.contains("holds a.stl, which is an input of this run"), "{refused}");
-        let file = |name: &str| write_file(Place { flag: "path", path: &at(name) }, b"slipgrid newer", &[]);
+        let file = |name: &str| write_file(Place { flag: "path", path: &at(name) }, b"slipgrid newer", &[], &|| false);
         file("deep/c.stl").unwrap();
         file("a.stl").unwrap();
         assert_eq!(fs::read(at("a.stl")).unwrap(), b"slipgrid newer");

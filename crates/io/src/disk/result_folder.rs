@@ -8,17 +8,17 @@
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
-use crate::{Content, Outputs};
+use crate::{Content, Failure, Outputs};
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
 use crate::disk::lock::Lock;
-use crate::disk::places::{Place, PlaceError, WriteError, can_create_in, check_folder, matching, refuse_foreign_in};
-use crate::disk::written_list::{LIST, Written, hexadecimal};
+use crate::disk::places::{Place, WriteError, can_create_in, check_folder, matching, refuse_foreign_in};
+use crate::disk::written_list::{Hashing, LIST, Written, hexadecimal};
 use crate::disk::{UNFINISHED, Writing, parent, put, unfinished};
 
 /// Age above which an unfinished file counts as left over by a killed run; writing takes seconds at most.
@@ -42,8 +42,8 @@ impl ResultFolder {
     /// `patterns` are the names of all files that a result may have, `inputs` the files that the run reads.
     ///
     /// # Errors
-    /// [`PlaceError`], as in [`check_folder`], and if another run holds the lock.
-    pub fn open(place: Place<'_>, patterns: &[&str], inputs: &[PathBuf]) -> Result<Self, PlaceError> {
+    /// [`Failure`], as in [`check_folder`], and if another run holds the lock.
+    pub fn open(place: Place<'_>, patterns: &[&str], inputs: &[PathBuf]) -> Result<Self, Failure> {
         let opened = SystemTime::now();
         check_folder(place, patterns, inputs)?;
         let lock = Lock::new(&lock_path(place.path))?;
@@ -180,34 +180,11 @@ fn rename_each(staged: &Staged, folder: &Path, names: &BTreeSet<&str>, stale: &[
 /// Writes `content` to `file`, waits until it is stored on the disk, and returns the file and its SHA-256. The file may
 /// be renamed only afterwards.
 fn write_through(file: File, content: &Content, is_cancelled: &dyn Fn() -> bool) -> io::Result<(File, String)> {
-    let mut buffered = BufWriter::new(Hashing { file, hash: Sha256::new(), is_cancelled });
+    let mut buffered = BufWriter::new(Hashing { to: file, hash: Sha256::new(), is_cancelled });
     content(&mut buffered)?;
-    let Hashing { file, hash, .. } = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
+    let Hashing { to: file, hash, .. } = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
     file.sync_data()?;
     Ok((file, hexadecimal(&hash.finalize())))
-}
-
-/// A file writer that hashes the written data and refuses further data once the run is cancelled.
-struct Hashing<'a> {
-    file: File,
-    hash: Sha256,
-    is_cancelled: &'a dyn Fn() -> bool,
-}
-
-impl Write for Hashing<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // Writers retry after errors of the kind `Interrupted`.
-        if (self.is_cancelled)() {
-            return Err(io::Error::other("interrupted"));
-        }
-        let count = self.file.write(bytes)?;
-        self.hash.update(&bytes[..count]);
-        Ok(count)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
-    }
 }
 
 /// Removes files and folders with unfinished names in `folder` that are so old that no running process owns them.
@@ -245,8 +222,8 @@ fn lock_path(folder: &Path) -> PathBuf {
 /// if needed. `inputs` are files from which the results were made.
 ///
 /// # Errors
-/// [`PlaceError`], as in [`check_folder`], or for an error of the operating system.
-pub fn write_folder(place: Place<'_>, files: &[(String, Vec<u8>)], inputs: &[PathBuf]) -> Result<(), PlaceError> {
+/// [`Failure`], as in [`check_folder`], or for an error of the operating system.
+pub fn write_folder(place: Place<'_>, files: &[(String, Vec<u8>)], inputs: &[PathBuf]) -> Result<(), Failure> {
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     let mut outputs = Outputs::default();
     files.iter().for_each(|(name, bytes)| outputs.add(name.as_str(), bytes.as_slice()));

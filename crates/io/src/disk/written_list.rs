@@ -50,21 +50,31 @@ impl Written {
 }
 
 fn hash_file(path: &Path) -> io::Result<String> {
-    let mut hash = HashWriter(Sha256::new());
-    io::copy(&mut File::open(path)?, &mut hash)?;
-    Ok(hexadecimal(&hash.0.finalize()))
+    let mut hashing = Hashing { to: io::sink(), hash: Sha256::new(), is_cancelled: &|| false };
+    io::copy(&mut File::open(path)?, &mut hashing)?;
+    Ok(hexadecimal(&hashing.hash.finalize()))
 }
 
-struct HashWriter(Sha256);
+/// A writer that hashes the written data and refuses further data once the run is cancelled.
+pub(crate) struct Hashing<'a, W> {
+    pub(crate) to: W,
+    pub(crate) hash: Sha256,
+    pub(crate) is_cancelled: &'a dyn Fn() -> bool,
+}
 
-impl io::Write for HashWriter {
+impl<W: io::Write> io::Write for Hashing<'_, W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.update(bytes);
-        Ok(bytes.len())
+        // Writers retry after errors of the kind `Interrupted`.
+        if (self.is_cancelled)() {
+            return Err(io::Error::other("interrupted"));
+        }
+        let count = self.to.write(bytes)?;
+        self.hash.update(&bytes[..count]);
+        Ok(count)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        Ok(())
+        self.to.flush()
     }
 }
 

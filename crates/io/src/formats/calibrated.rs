@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use slipgrid_base::monitor::{Cancelled, Key, Monitor};
+use slipgrid_base::monitor::{Key, Monitor};
 use slipgrid_design::{KnownMaterial, Refusal};
 use slipgrid_infer::calibrate::area_law::AreaLawError;
 use slipgrid_infer::calibrate::{
@@ -12,6 +12,7 @@ use slipgrid_infer::calibrate::{
 use slipgrid_model::material::{Material, Provenance};
 use slipgrid_model::springblock::{Layer, SceneError};
 
+use crate::Failure;
 use crate::formats::altitude_map::law_warnings;
 use crate::formats::calibration::Calibration;
 use crate::formats::design::Design;
@@ -20,26 +21,6 @@ use crate::formats::refused_calibration::refuse;
 use crate::formats::source::Source;
 use crate::formats::written_material::material_toml;
 use crate::formats::{Diagnostic, Document};
-
-/// Reason why a computation described by files gave no result.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Failure {
-    /// A file was refused.
-    #[error(transparent)]
-    Refused(#[from] Diagnostic),
-    /// The monitor asked to stop.
-    #[error("stopped")]
-    Cancelled,
-    /// The computation failed.
-    #[error("{0}")]
-    Failed(String),
-}
-
-impl From<Cancelled> for Failure {
-    fn from(_: Cancelled) -> Self {
-        Self::Cancelled
-    }
-}
 
 /// Calibrates the material of `design` if the design names a calibration, and returns the calibration; `None` if the
 /// material is known.
@@ -129,7 +110,7 @@ fn read_kept(text: String) -> Option<KnownMaterial> {
 fn as_measured(calibration: &Calibration) -> Result<Material, Failure> {
     let CalibrationTask { flat, specimen_area_m2, coefficients, relative_std, .. } = &calibration.stated;
     let friction = measured_friction(flat, *specimen_area_m2, *coefficients, *relative_std)
-        .map_err(|error| Failure::Failed(error.to_string()))?;
+        .map_err(Failure::failed)?;
     Ok(Material { elastic: calibration.stated.elastic, friction, area_law: None, provenance: Provenance::default() })
 }
 
@@ -186,6 +167,6 @@ fn failed(error: &CalibrationError, path: &Path, calibration: &Calibration) -> F
         (Some(refused), _) => refused.into(),
         (None, CalibrationError::Cancelled | CalibrationError::AreaLaw(AreaLawError::Cancelled)) => Failure::Cancelled,
         (None, CalibrationError::Fit { error, .. }) => Failure::Failed(format!("calibration: {error}")),
-        (None, error) => Failure::Failed(error.to_string()),
+        (None, error) => Failure::failed(error),
     }
 }

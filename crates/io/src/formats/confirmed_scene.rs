@@ -5,6 +5,7 @@ use slipgrid_model::material::{LocalFriction, MaterialError};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Extent, Load, RunOptions};
 
+use crate::Failure;
 use crate::formats::friction::FrictionFile;
 use crate::formats::learned::LearnedFile;
 use crate::formats::material::{AreaLawFile, MaterialFile};
@@ -17,17 +18,6 @@ use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_design::{DesignTask, KnownMaterial};
 use slipgrid_infer::discrepancy::Discrepancy;
 use slipgrid_laser::export::SpecimenRecord;
-
-/// A design that cannot be written as a scene.
-#[derive(Debug, thiserror::Error)]
-pub enum UnwritableScene {
-    /// The numbers have no TOML form.
-    #[error("the design has no TOML form: {0}")]
-    Toml(#[from] toml::ser::Error),
-    /// The area law of the material is invalid when shifted by the error of its scale.
-    #[error(transparent)]
-    Material(#[from] MaterialError),
-}
 
 /// Contents of scene.toml.
 pub struct DesignScene<'a> {
@@ -48,13 +38,13 @@ pub struct DesignScene<'a> {
 /// Steady scene of `pattern` on the specimen of `task`, at `loads`, with the material `known`, as TOML.
 ///
 /// # Errors
-/// [`UnwritableScene`] if the values have no TOML form, or the material cannot be shifted by its errors.
+/// [`Failure`] if the values have no TOML form, or the material cannot be shifted by its errors.
 pub fn steady_scene(
     task: &DesignTask,
     known: &KnownMaterial,
     loads: &[Load],
     pattern: &Pattern,
-) -> Result<String, UnwritableScene> {
+) -> Result<String, Failure> {
     let extent = if task.search.strip { Extent::Strip } else { Extent::Sample };
     let run =
         RunOptions { seed: task.search.seed, dimensions: task.search.dimensions, extent, ..RunOptions::default() };
@@ -65,8 +55,8 @@ impl DesignScene<'_> {
     /// Scene as TOML. The file is self-contained: it includes the material.
     ///
     /// # Errors
-    /// [`UnwritableScene`] if the values have no TOML form, or the material cannot be shifted by its errors.
-    pub fn to_toml(&self) -> Result<String, UnwritableScene> {
+    /// [`Failure`] if the values have no TOML form, or the material cannot be shifted by its errors.
+    pub fn to_toml(&self) -> Result<String, Failure> {
         let um = |length_m: f64| LENGTH_UM.from_si(length_m).into();
         let name = |name: &str| name.to_owned().into();
         let (task, run) = (self.task, self.run);
@@ -75,7 +65,7 @@ impl DesignScene<'_> {
             schema: Some(SCHEMA.into()),
             // The discrepancy depends on the condition.
             condition: task.condition.filter(|_| self.learned().is_some()).map(Into::into),
-            material: PathOr::Table(Box::new(self.material()?)).into(),
+            material: PathOr::Table(Box::new(self.material().map_err(Failure::failed)?)).into(),
             pattern: Some(PatternFile::from(self.pattern).into()),
             specimen: Some(SpecimenRecord::from(&task.specimen).into()),
             sample: SampleFile {
@@ -98,7 +88,8 @@ impl DesignScene<'_> {
             }
             .into(),
         };
-        let body = toml::to_string(&file)?;
+        let body =
+            toml::to_string(&file).map_err(|error| Failure::Failed(format!("the design has no TOML form: {error}")))?;
         Ok(format!("# Scene of the confirming run, by slipgrid {VERSION}: slipgrid simulate scene.toml\n{body}"))
     }
 

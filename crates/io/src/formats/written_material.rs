@@ -7,6 +7,7 @@ use slipgrid_infer::calibrate::{
 };
 use slipgrid_model::material::Condition;
 
+use crate::Failure;
 use crate::formats::friction::{ConditionTable, FlatFrictionTable, FrictionFile};
 use crate::formats::learned::LearnedFile;
 use crate::formats::made_from::MadeFrom;
@@ -15,27 +16,16 @@ use crate::formats::values::{Numbers, each, number_list};
 use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, VERSION};
 
-/// A material that cannot be written.
-#[derive(Debug, thiserror::Error)]
-pub enum UnwritableMaterial {
-    /// The numbers have no TOML form.
-    #[error("the material has no TOML form: {0}")]
-    Toml(toml::ser::Error),
-    /// The fit has neither one pair of coefficients nor one per measurement.
-    #[error("{0}")]
-    Pairs(String),
-}
-
 /// Formats the material of `outcome` as TOML. `made_from` is given for a file stored with its calibration, as
 /// `calibrate -o` writes it; pages and cached results have none.
 ///
 /// # Errors
-/// [`UnwritableMaterial`] if the fit has neither one pair nor one pair per measurement, or a number has no TOML form.
+/// [`Failure`] if the fit has neither one pair nor one pair per measurement, or a number has no TOML form.
 pub fn material_toml(
     task: &CalibrationTask,
     outcome: &CalibrationOutcome,
     made_from: Option<MadeFrom>,
-) -> Result<String, UnwritableMaterial> {
+) -> Result<String, Failure> {
     let facts = &outcome.surface;
     let area_law = facts.law.as_ref().map(|law| {
         let area = |&pressure_pa: &f64| {
@@ -65,7 +55,8 @@ pub fn material_toml(
         learned: outcome.uncertainty.learned.as_ref().map(|learned| LearnedFile::new(learned).into()),
         ..MaterialFile::new(&task.elastic, &outcome.material.provenance, friction(task, outcome)?)
     };
-    let body = toml::to_string(&file).map_err(UnwritableMaterial::Toml)?;
+    let body =
+        toml::to_string(&file).map_err(|error| Failure::Failed(format!("the material has no TOML form: {error}")))?;
     Ok(format!(
         "# Material, by slipgrid calibrate {VERSION}. Scenes and designs name this file: material = \"...\".\n\
          # residual: model minus measured dynamic friction of the flat sample.\n{body}"
@@ -77,7 +68,7 @@ fn rounded(residual: f64) -> f64 {
     (residual * 1e9).round() / 1e9 + 0.0
 }
 
-fn friction(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<FrictionFile, UnwritableMaterial> {
+fn friction(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<FrictionFile, Failure> {
     let (relative_std, fit) = (Some(task.relative_std.into()), &outcome.fit);
     let one = |value: f64| Numbers::One(value).into();
     let error = |error: Option<f64>| error.map(|error| one(tidy(error)));
@@ -99,7 +90,7 @@ fn friction(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<Fric
             let conditions = tables.map(|(condition, rows)| condition_table(*condition, rows).into()).collect();
             Ok(FrictionFile { relative_std, conditions, ..FrictionFile::default() })
         }
-        (_, pairs) => Err(UnwritableMaterial::Pairs(format!("the fit returned {} pairs of coefficients", pairs.len()))),
+        (_, pairs) => Err(Failure::Failed(format!("the fit returned {} pairs of coefficients", pairs.len()))),
     }
 }
 

@@ -17,7 +17,7 @@ use slipgrid_io::formats::calibration::Calibration;
 
 use crate::friction_sheet::{self, FrictionSheet};
 use crate::trials::TrialsReport;
-use crate::{Outputs, ReportError, html};
+use crate::{Failure, Outputs, html};
 
 /// Names of a calibration's files other than traces, with `*` as a wildcard.
 pub const FILES: [&str; 8] = [
@@ -115,8 +115,8 @@ impl Fitted {
     /// trials, the sheet of the measurements, and traces if there are any.
     ///
     /// # Errors
-    /// [`ReportError`] if a picture cannot be drawn or a record has no JSON form.
-    pub fn files(&self) -> Result<Outputs, ReportError> {
+    /// [`Failure`] if a picture cannot be drawn or a record has no JSON form.
+    pub fn files(&self) -> Result<Outputs, Failure> {
         let (traces, name) = (&self.calibration.traces, &self.calibration.stated.name);
         let mut outputs = if traces.is_empty() { Outputs::default() } else { crate::traces::files(traces)? };
         outputs.add("fit.json", self.fit_json()?);

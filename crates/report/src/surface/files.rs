@@ -10,7 +10,7 @@ use slipgrid_surface::topography::{
 use super::cavities::{cavities_csv, edge_profile_csv, edge_profile_svg};
 use super::{SurfaceReport, section_csv, spectrum_csv};
 use crate::charts::{self, SurfaceValues};
-use crate::{Outputs, ReportError, html};
+use crate::{Failure, Outputs, html};
 
 /// Names of the files of an altitude map, with `*` as a wildcard.
 pub const FILES: [&str; 8] = [
@@ -68,13 +68,8 @@ impl Measured {
 /// the pixels of the section, which runs along x.
 ///
 /// # Errors
-/// [`ReportError`] if a picture cannot be drawn, if the record has no JSON form, or if `monitor` cancels.
-pub fn files(
-    report: &SurfaceReport,
-    of: &Measured,
-    column: usize,
-    monitor: &dyn Monitor,
-) -> Result<Outputs, ReportError> {
+/// [`Failure`] if a picture cannot be drawn, if the record has no JSON form, or if `monitor` cancels.
+pub fn files(report: &SurfaceReport, of: &Measured, column: usize, monitor: &dyn Monitor) -> Result<Outputs, Failure> {
     let Measured { surface, spectrum, cavities, .. } = of;
     let mut outputs = Outputs::default();
     outputs.add("result.json", json(report)?);
@@ -95,7 +90,7 @@ pub fn files(
 }
 
 /// Adds the pictures of the map, its heights, its section and its spectrum to `outputs`.
-fn add_pictures(outputs: &mut Outputs, of: &Measured, column: usize, monitor: &dyn Monitor) -> Result<(), ReportError> {
+fn add_pictures(outputs: &mut Outputs, of: &Measured, column: usize, monitor: &dyn Monitor) -> Result<(), Failure> {
     let Measured { surface, curve, spectrum, .. } = of;
     let map = &surface.map;
     let titled = |title: &str| {

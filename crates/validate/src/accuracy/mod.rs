@@ -20,7 +20,7 @@ use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S};
 use slipgrid_design::results::{SCHEMA, VERSION};
 use slipgrid_model::springblock::{Scene, SceneError, Unwatched, simulate};
 
-use crate::StudyError;
+use crate::Failure;
 use comparison::Compared;
 
 pub use output::{csv, markdown, picture};
@@ -80,7 +80,7 @@ pub fn expected_wall_s(size: Size, base: &Scene, seeds: u64) -> f64 {
 /// the operating system. Times are measured with the monitor's clock.
 ///
 /// # Errors
-/// [`StudyError::Cancelled`] once the monitor has cancelled.
+/// [`Failure::Cancelled`] once the monitor has cancelled.
 pub fn compare(
     size: Size,
     base: &Scene,
@@ -88,7 +88,7 @@ pub fn compare(
     seeds: u64,
     machine: [&'static str; 2],
     monitor: &dyn Monitor,
-) -> Result<Accuracy, StudyError> {
+) -> Result<Accuracy, Failure> {
     let methods = plan::methods(size, base);
     let progress = Stage::new(monitor, "accuracy", None);
     let all_s = expected_wall_s(size, base, seeds);

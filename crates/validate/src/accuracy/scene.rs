@@ -5,7 +5,7 @@ use slipgrid_model::material::{Elastic, LocalFriction, THRESHOLD_PRESSURE_PA};
 use slipgrid_model::pattern::{Pattern, Planform};
 use slipgrid_model::springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, shear_modulus_pa, shear_period_s};
 
-use crate::StudyError;
+use crate::Failure;
 use slipgrid_base::units::PRESSURE_MPA;
 use slipgrid_io::formats::scene::DEFAULT_LAYER;
 
@@ -31,9 +31,9 @@ const MIN_PERIODS: f64 = 100.0;
 /// of a synthetic map, because the measured map is unpublished.
 ///
 /// # Errors
-/// [`StudyError::Failed`] if one of the numbers is refused.
-pub fn paper_scene() -> Result<Scene, StudyError> {
-    let refuse = |error: &dyn std::fmt::Display| StudyError::Failed(format!("the built-in scene: {error}"));
+/// [`Failure::Failed`] if one of the numbers is refused.
+pub fn paper_scene() -> Result<Scene, Failure> {
+    let refuse = |error: &dyn std::fmt::Display| Failure::Failed(format!("the built-in scene: {error}"));
     let elastic = Elastic::new(0.38e9, 900.0).map_err(|error| refuse(&error))?;
     let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
     let contact_modulus_pa = elastic.contact_modulus_pa(POISSON_RATIO);

@@ -12,7 +12,7 @@ use super::ratios::{ModelledRatio, RatioReport};
 use super::report::{TimeReport, ValidationReport};
 use super::tables::solutions;
 use super::{ValidationTask, page, rims};
-use crate::StudyError;
+use crate::Failure;
 use slipgrid_base::monitor::{Monitor, Stage, Unwatched};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::Solved;
@@ -41,8 +41,8 @@ impl Figures<'_> {
     /// `None` if no run was requested.
     ///
     /// # Errors
-    /// [`StudyError`] if the numbers make no valid scene or a picture cannot be drawn.
-    pub fn draw(&self, outputs: &mut Outputs, monitor: &dyn Monitor) -> Result<Option<TimeReport>, StudyError> {
+    /// [`Failure`] if the numbers make no valid scene or a picture cannot be drawn.
+    pub fn draw(&self, outputs: &mut Outputs, monitor: &dyn Monitor) -> Result<Option<TimeReport>, Failure> {
         if let Some(picture) = self.areas()? {
             outputs.add("area-law.svg", picture);
             outputs.add("area-law.csv", areas_csv(&self.report.area_laws));
@@ -88,7 +88,7 @@ impl Figures<'_> {
 
     /// Scene with `pattern` at the highest compared load. The local coefficients are such that the flat surface has the
     /// measured friction in steady sliding.
-    fn scene(&self, pattern: Pattern, fidelity: Fidelity, extent: Extent) -> Result<Scene, StudyError> {
+    fn scene(&self, pattern: Pattern, fidelity: Fidelity, extent: Extent) -> Result<Scene, Failure> {
         let body = self.task.body();
         let mut scene = scene(body, self.surface.given(), pattern, &[self.heaviest])?;
         scene.run = RunOptions { fidelity, extent, ..RunOptions::default() };
@@ -100,11 +100,11 @@ impl Figures<'_> {
         Ok(scene)
     }
 
-    fn solve(&self, scene: &Scene, progress: &dyn Monitor) -> Result<Simulation, StudyError> {
+    fn solve(&self, scene: &Scene, progress: &dyn Monitor) -> Result<Simulation, Failure> {
         simulate(scene, progress).map_err(|error| self.task.body().refuse(&error))
     }
 
-    fn areas(&self) -> Result<Option<String>, StudyError> {
+    fn areas(&self) -> Result<Option<String>, Failure> {
         let tables = &self.report.area_laws;
         let Some(given) = tables.iter().find(|table| table.slope_factor == 1.0) else { return Ok(None) };
         let modelled = self.report.results.iter().flat_map(|row| &row.modelled);
@@ -137,7 +137,7 @@ impl Figures<'_> {
     }
 
     /// Adds pictures of the pressure under the whole sample and under the first periods, and a table.
-    fn interface(&self, scene: &Scene, simulation: &Simulation, outputs: &mut Outputs) -> Result<(), StudyError> {
+    fn interface(&self, scene: &Scene, simulation: &Simulation, outputs: &mut Outputs) -> Result<(), Failure> {
         let Some(load) = simulation.loads.first() else { return Ok(()) };
         let cavities = cavities_um(scene, &load.surface.interface);
         let flat = load.flat.as_ref().map_or_else(Vec::new, |flat| pressures("flat", &flat.interface).points);
@@ -162,7 +162,7 @@ impl Figures<'_> {
         Ok(())
     }
 
-    fn time(&self, simulation: &Simulation, at: &PressureErrors, outputs: &mut Outputs) -> Result<(), StudyError> {
+    fn time(&self, simulation: &Simulation, at: &PressureErrors, outputs: &mut Outputs) -> Result<(), Failure> {
         let Some(load) = simulation.loads.first() else { return Ok(()) };
         let flat = load.flat.as_ref().zip(at.mu_flat.as_ref()).map(|(flat, error)| trace("flat", flat, error.std));
         let own = trace("patterned", &load.surface, at.mu.std);
@@ -220,9 +220,9 @@ impl Figures<'_> {
 /// `outputs`.
 ///
 /// # Errors
-/// [`StudyError`] if a picture cannot be drawn or a number has no JSON form.
-pub fn add_report(report: &ValidationReport, outputs: &mut Outputs) -> Result<(), StudyError> {
-    outputs.add_record(report).map_err(|error| StudyError::Failed(error.to_string()))?;
+/// [`Failure`] if a picture cannot be drawn or a number has no JSON form.
+pub fn add_report(report: &ValidationReport, outputs: &mut Outputs) -> Result<(), Failure> {
+    outputs.add_record(report).map_err(|error| Failure::Failed(error.to_string()))?;
     outputs.add("ratios.csv", ratios_csv(report));
     outputs.add("ratios.svg", ratios(report)?);
     if let Some(rims) = &report.rims {

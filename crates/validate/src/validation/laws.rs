@@ -9,7 +9,7 @@ use slipgrid_model::material::AreaLaw;
 use slipgrid_surface::contact::AreaPoint;
 
 use super::ValidationTask;
-use crate::StudyError;
+use crate::Failure;
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::units::{PRESSURE_MPA, tidy};
 use slipgrid_design::results::fixed;
@@ -70,12 +70,12 @@ impl ScaledLaws {
 /// Computes the area laws of the surface of `task`, one per slope factor; a map is read from `source`.
 ///
 /// # Errors
-/// [`StudyError`] if the map cannot be read or its contact area gives no law.
+/// [`Failure`] if the map cannot be read or its contact area gives no law.
 pub fn scaled_laws(
     task: &ValidationTask<'_>,
     source: &Source,
     monitor: &dyn Monitor,
-) -> Result<ScaledLaws, StudyError> {
+) -> Result<ScaledLaws, Failure> {
     let (path, calibration, factors) = (task.path, task.calibration, &task.slope_factors);
     let contact_modulus_pa = calibration.stated.elastic.contact_modulus_pa(calibration.stated.poisson_ratio);
     let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(path, error.to_string());
@@ -148,7 +148,7 @@ pub fn scaled_laws(
 }
 
 /// Computes the area laws by Persson's theory with a pressure scale fitted to flat friction, as in calibrations.
-fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor) -> Result<ScaledLaws, StudyError> {
+fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor) -> Result<ScaledLaws, Failure> {
     // The fit uses flat samples only, so that trials are removed.
     let mut flat = task.calibration.clone();
     flat.stated.trials.samples.clear();

@@ -6,7 +6,7 @@ use slipgrid_model::pattern::Pattern;
 
 use super::model::{Body, Case, FlatPoint, predict};
 use super::ratios::{MeasuredLawRatio, Pair};
-use crate::StudyError;
+use crate::Failure;
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::calibration::Calibration;
@@ -16,14 +16,14 @@ use slipgrid_io::formats::calibration::Calibration;
 /// a list is empty if these measurements have a single pressure.
 ///
 /// # Errors
-/// [`StudyError`] if the numbers make no valid scene.
+/// [`Failure`] if the numbers make no valid scene.
 pub fn ratios(
     calibration: &Calibration,
     body: Body<'_>,
     pattern: Pattern,
     pairs: &[Pair],
     monitor: &dyn Monitor,
-) -> Result<Vec<Vec<MeasuredLawRatio>>, StudyError> {
+) -> Result<Vec<Vec<MeasuredLawRatio>>, Failure> {
     // The law does not depend on the modulus.
     let body = Body { modulus_relative_std: None, ..body };
     let mut found: Vec<Vec<MeasuredLawRatio>> = vec![Vec::new(); pairs.len()];

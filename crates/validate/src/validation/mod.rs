@@ -30,7 +30,7 @@ use slipgrid_model::pattern::{Pattern, Planform};
 use slipgrid_model::springblock::Layer;
 use slipgrid_report::Outputs;
 
-use crate::StudyError;
+use crate::Failure;
 use figures::Figures;
 use laws::{ScaledLaw, ScaledLaws, scaled_laws};
 use model::{Body, Case, FlatPoint, predict, squares};
@@ -142,13 +142,13 @@ pub struct Patterns {
 /// Models every compared condition of `task`, and makes the files if `task.figures`. A map is read from `source`.
 ///
 /// # Errors
-/// [`StudyError`] for a calibration without measurements to compare, a surface that gives no area law, numbers that
+/// [`Failure`] for a calibration without measurements to compare, a surface that gives no area law, numbers that
 /// make no valid scene, a picture that cannot be drawn, and if the monitor cancels.
 pub fn validate(
     task: &ValidationTask<'_>,
     source: &Source,
     monitor: &dyn Monitor,
-) -> Result<(ValidationReport, Outputs), StudyError> {
+) -> Result<(ValidationReport, Outputs), Failure> {
     let started_s = monitor.seconds();
     let pairs = measured(task)?;
     let surface = scaled_laws(task, source, monitor)?;
@@ -199,7 +199,7 @@ fn compare(
     pairs: &[Pair],
     surface: &ScaledLaws,
     monitor: &dyn Monitor,
-) -> Result<ValidationReport, StudyError> {
+) -> Result<ValidationReport, Failure> {
     let (calibration, patterns) = (task.calibration, &task.patterns);
     let points: Vec<FlatPoint> = pairs.iter().map(|pair| pair.point).collect();
     // Cases: every slope factor, then Amontons-Coulomb friction, then the surface as given at the measured depth.

@@ -8,7 +8,7 @@ use slipgrid_model::material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_model::pattern::{Pattern, Planform};
 use slipgrid_model::springblock::{CellOutcome, Layer, Load, Monitor, RunOptions, Scene, SteadyCell};
 
-use crate::StudyError;
+use crate::Failure;
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::scene::DEFAULT_THICKNESS_M;
 
@@ -40,7 +40,7 @@ pub struct Body<'a> {
 
 impl Body<'_> {
     /// Converts `error` to the error that the numbers of the calibration make no valid scene.
-    pub fn refuse(&self, error: &impl ToString) -> StudyError {
+    pub fn refuse(&self, error: &impl ToString) -> Failure {
         Diagnostic::file(self.path, error.to_string()).into()
     }
 }
@@ -86,13 +86,13 @@ pub struct Prediction {
 /// Solves every case at every point, cases in parallel. Returns one list per case, with one prediction per point.
 ///
 /// # Errors
-/// [`StudyError`] if the numbers make no valid scene.
+/// [`Failure`] if the numbers make no valid scene.
 pub fn predict(
     body: Body<'_>,
     cases: &[Case<'_>],
     points: &[FlatPoint],
     progress: &dyn Monitor,
-) -> Result<Vec<Vec<Prediction>>, StudyError> {
+) -> Result<Vec<Vec<Prediction>>, Failure> {
     let share = 1.0 / cases.len() as f64;
     cases
         .par_iter()
@@ -108,13 +108,8 @@ pub fn predict(
 /// Scene of steady sliding of `pattern` with the area law `law` at every point.
 ///
 /// # Errors
-/// [`StudyError`] if the numbers make no valid scene.
-pub fn scene(
-    body: Body<'_>,
-    law: Option<&AreaLaw>,
-    pattern: Pattern,
-    points: &[FlatPoint],
-) -> Result<Scene, StudyError> {
+/// [`Failure`] if the numbers make no valid scene.
+pub fn scene(body: Body<'_>, law: Option<&AreaLaw>, pattern: Pattern, points: &[FlatPoint]) -> Result<Scene, Failure> {
     let loads = points
         .iter()
         .map(|point| {
@@ -123,7 +118,7 @@ pub fn scene(
             let friction = LocalFriction::new(dynamic_mean, dynamic_mean, 0.0).map_err(|error| body.refuse(&error))?;
             Ok(Load { pressure_pa: point.pressure_pa, friction })
         })
-        .collect::<Result<Vec<_>, StudyError>>()?;
+        .collect::<Result<Vec<_>, Failure>>()?;
     let scene = Scene {
         elastic: body.elastic,
         area_law: law.cloned(),
@@ -145,7 +140,7 @@ fn coefficients(law: Option<&AreaLaw>, point: &FlatPoint) -> [f64; 2] {
     [area_law_factor, point.mu_flat / area_law_factor]
 }
 
-fn solve(body: Body<'_>, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Prediction>, StudyError> {
+fn solve(body: Body<'_>, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Prediction>, Failure> {
     let coefficients: Vec<[f64; 2]> = points.iter().map(|point| coefficients(case.law, point)).collect();
     let scene = scene(body, case.law, case.pattern, points)?;
     let in_space = Scene { pattern: Some(squares(&case.pattern)), ..scene.clone() };

@@ -19,7 +19,7 @@ use super::figures::beside_measured;
 use super::model::{Body, FlatPoint, scene, squares};
 use super::ratios::{MeasuredReport, RatioReport};
 use super::tables::Captioned;
-use crate::StudyError;
+use crate::Failure;
 
 /// Heights of the rims, in um.
 const HEIGHTS_UM: [f64; 5] = [0.0, 0.1, 0.2, 0.3, 0.5];
@@ -71,7 +71,7 @@ pub struct RimsRow {
 /// measured ratios of these points. Rows are solved in parallel.
 ///
 /// # Errors
-/// [`StudyError`] if the numbers make no valid scene.
+/// [`Failure`] if the numbers make no valid scene.
 pub fn rims(
     body: Body<'_>,
     law: &AreaLaw,
@@ -79,7 +79,7 @@ pub fn rims(
     points: &[FlatPoint],
     results: &[&RatioReport],
     monitor: &dyn Monitor,
-) -> Result<RimsReport, StudyError> {
+) -> Result<RimsReport, Failure> {
     let body = Body { layer: Layer { block_m: BLOCK_M, ..body.layer }, ..body };
     let scene = scene(body, Some(law), *groove, points)?;
     let mut cases = Vec::new();
@@ -116,7 +116,7 @@ pub fn rims(
                 peak_pressure_mpa: PRESSURE_MPA.from_si(peaks.fold(0.0, f64::max)),
             })
         })
-        .collect::<Result<Vec<RimsRow>, StudyError>>()?;
+        .collect::<Result<Vec<RimsRow>, Failure>>()?;
     // Only grooves are solved with finer blocks, because squares take long: the error stands for both planforms.
     let mut block_error: Option<f64> = None;
     for ((pattern, _), row) in cases.iter().zip(&rows).filter(|((pattern, _), _)| pattern.texture().is_one_section()) {

@@ -7,7 +7,7 @@ use std::time::Instant;
 use slipgrid_design::results::{SCREEN_WIDTH, wrapped};
 use slipgrid_design::{Advice, DesignError};
 use slipgrid_io::formats::design::Design;
-use slipgrid_report::{ReportError, files, linked_data, uncertainty_budget};
+use slipgrid_report::{files, linked_data, uncertainty_budget};
 
 use super::complete;
 use crate::args::OptimizeArgs;
@@ -16,6 +16,7 @@ use crate::output::{Place, ResultFolder, replace};
 use crate::progress::Job;
 use crate::study_file::StudyFile;
 use crate::{CliError, Console, exit_code};
+use slipgrid_io::Failure;
 use slipgrid_io::disk::disk;
 
 /// Patterns of the names of files that this command may write.
@@ -66,7 +67,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     heed()?;
 
     let mut outputs = files::of_design(&found).map_err(|error| match error {
-        ReportError::Export(error) => design.refuse_whole(error.to_string()).into(),
+        Failure::Refused(refused) => design.refuse_whole(refused.reason).into(),
         error => CliError::from(error),
     })?;
     found.report.timings_s.material = calibrated_s;

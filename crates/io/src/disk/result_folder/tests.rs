@@ -7,7 +7,7 @@ fn outputs(files: &[(&str, &str)]) -> Outputs {
     outputs
 }
 
-fn open(folder: &Path) -> Result<ResultFolder, PlaceError> {
+fn open(folder: &Path) -> Result<ResultFolder, Failure> {
     ResultFolder::open(Place::output(folder), &["result.json", "friction-*.svg", "next-*/a.svg", "table.csv"], &[])
 }
 
