@@ -12,7 +12,8 @@ use slipgrid::formats::calibration::Calibration as Read;
 use slipgrid::formats::file_kind::FileKind;
 use slipgrid::formats::made_from::MadeFrom;
 use slipgrid::formats::material::read_known;
-use slipgrid::formats::scene::DEFAULT_SPECIMEN;
+use slipgrid::formats::scene::DEFAULT_SAMPLE;
+use slipgrid::formats::source::Source;
 use slipgrid::formats::written_material::material_toml;
 use slipgrid::formats::{Diagnostic, Document};
 use slipgrid::report::calibration::Fitted as Found;
@@ -25,9 +26,6 @@ use crate::output::{Named, Told, contents};
 use crate::progress::watched;
 use crate::threads::{detached, in_pool};
 use crate::warnings::warn_all;
-
-/// Seed of the flat sample's local coefficients.
-const SEED: u64 = 1;
 
 /// Checks the material file at `path`, or `text` in its place; returns the text and its warnings.
 #[pyfunction]
@@ -103,10 +101,9 @@ impl Calibration {
     /// Fits local coefficients to the flat samples and learns from trials. Returns fit.json and the material file as well.
     #[pyo3(signature = (progress=None))]
     fn fit(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> Result<([String; 2], Told, Fitted), Failure> {
-        let sample = (DEFAULT_SPECIMEN, SEED);
         let (found, records) = watched(py, progress, |watch| {
             let (path, files) = (&self.origin.path, self.origin.source());
-            let fit = calibrate(&self.read, path, &files, sample, Selection::default(), watch)?;
+            let fit = calibrate(&self.read, path, &files, DEFAULT_SAMPLE, Selection::default(), watch)?;
             let found = Found::new(self.read.clone(), fit, watch)?;
             let material = material_toml(&found.task, &found.outcome, None).map_err(failed)?;
             let records = [found.fit_json().map_err(failed)?, material];
@@ -122,12 +119,9 @@ impl Calibration {
     /// Ledger of the trials: JSON as `slipgrid trials --json` writes it, and text.
     #[pyo3(signature = (progress=None))]
     fn trials(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> Result<[String; 2], Failure> {
-        let sample = (DEFAULT_SPECIMEN, SEED);
         let report = watched(py, progress, |watch| {
-            let (task, learned) = learn(&self.read, &self.origin.path, &self.origin.source(), sample, watch)?;
-            let stated = &self.read.stated;
-            let report = TrialsReport::of_samples(&stated.name, &task, &learned, &stated.doubts, watch)?;
-            Ok::<_, calibrated::Failure>(report)
+            let (task, learned) = learn(&self.read, &self.origin.path, &self.origin.source(), DEFAULT_SAMPLE, watch)?;
+            Ok::<_, slipgrid::Failure>(TrialsReport::of_samples(&self.read, &task, &learned, watch)?)
         })??;
         warn_all(py, &report.warnings)?;
         Ok([json(&report).map_err(failed)?, report.text()])

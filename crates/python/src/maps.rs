@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use slipgrid::calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, surface_area_law};
 use slipgrid::formats::altitude_map::{open, refuse, refuse_law};
+use slipgrid::formats::plausible::checked_pressures;
 use slipgrid::formats::{Diagnostic, checked};
 use slipgrid::report::area_law::AreaLawOptions;
 use slipgrid::report::surface::{Measured, SurfaceReport};
@@ -39,20 +40,6 @@ fn preparation(form: &str, missing: &str, despike: bool) -> PyResult<Preparation
     let ways = [Missing::Fill, Missing::Refuse];
     let missing = named("missing", missing, &ways, |way| if way == Missing::Fill { "fill" } else { "refuse" })?;
     Ok(Preparation { form, missing, despike })
-}
-
-/// Checks that pressures increase, and converts them to pascals.
-fn pressures(pressures_mpa: &[f64]) -> Result<Vec<f64>, Diagnostic> {
-    let refuse = |value: String, reason: &str| {
-        Diagnostic::flag("pressures_mpa", value, reason).expected("positive numbers that increase")
-    };
-    if pressures_mpa.is_empty() {
-        return Err(refuse("[]".to_owned(), "has no pressure"));
-    }
-    if let Some(pair) = pressures_mpa.windows(2).find(|pair| pair[1] <= pair[0]) {
-        return Err(refuse(pair[1].to_string(), &format!("does not exceed the {} before it", pair[0])));
-    }
-    pressures_mpa.iter().map(|&pressure_mpa| checked("pressures_mpa", pressure_mpa, PRESSURE_MPA)).collect()
 }
 
 /// Restores a map that was read from `path` in `format`, with all its data; used by copies.
@@ -232,7 +219,7 @@ impl Map {
             poisson_ratio: checked("poisson_ratio", poisson_ratio, POISSON)?,
             tolerance: checked("tolerance", tolerance, TOLERANCE)?,
             threshold_pa: threshold_mpa.map(|mpa| checked("threshold_mpa", mpa, PRESSURE_MPA)).transpose()?,
-            pressures_pa: pressures(&pressures_mpa)?,
+            pressures_pa: checked_pressures("pressures_mpa", &pressures_mpa)?,
         };
         let per_side = |given: &Bound<'_, PyAny>| {
             let refused = Diagnostic::flag("windows", shown(given), "is no number of windows");

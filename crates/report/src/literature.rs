@@ -2,6 +2,7 @@
 
 use crate::charts::{self, ChartError};
 use crate::trials::TrialsReport;
+use slipgrid_traces::cells::{cut, unquoted};
 
 /// Published friction of textured and flat surfaces with references, as CSV.
 const TABLE: &str = include_str!("../data/dry_textured_friction.csv");
@@ -11,31 +12,13 @@ const DRY_POLYMER: &str = "measured";
 /// Source, reference, kind of the comparison and ratio of textured over flat friction of each row of `TABLE`; ratios
 /// that are no numbers are not known.
 fn published() -> impl Iterator<Item = ([String; 3], Option<f64>)> {
-    let mut lines = TABLE.lines().filter(|line| !line.starts_with('#')).map(cells);
+    let mut lines = TABLE.lines().filter(|line| !line.starts_with('#')).map(|line| cut(line, ','));
     let header = lines.next().unwrap_or_default();
     lines.map(move |cells| {
-        let place = |name: &str| header.iter().position(|own| own == name);
-        let cell = |name: &str| place(name).and_then(|place| cells.get(place)).cloned().unwrap_or_default();
-        (["source", "reference", "kind"].map(cell), cell("ratio").parse().ok())
+        let place = |name: &str| header.iter().position(|own| *own == name);
+        let cell = |name: &str| place(name).and_then(|place| cells.get(place)).map_or("", |cell| unquoted(cell));
+        (["source", "reference", "kind"].map(|name| cell(name).to_owned()), cell("ratio").parse().ok())
     })
-}
-
-/// Cells of a line of comma-separated values; commas within quotes do not separate.
-fn cells(line: &str) -> Vec<String> {
-    let mut cells = vec![String::new()];
-    let mut is_quoted = false;
-    for letter in line.chars() {
-        match letter {
-            '"' => is_quoted = !is_quoted,
-            ',' if !is_quoted => cells.push(String::new()),
-            _ => {
-                if let Some(cell) = cells.last_mut() {
-                    cell.push(letter);
-                }
-            }
-        }
-    }
-    cells
 }
 
 /// Sources with ratios of dry polymers, in the order of the table: name, reference, and ratios of textured over flat
@@ -76,6 +59,8 @@ mod tests {
         assert!((3..10).contains(&contrasts), "{contrasts}");
         assert_eq!(all.iter().filter(|([source, ..], _)| source == "Balestra 2022").count(), 18);
         assert!(all.iter().filter_map(|(_, ratio)| *ratio).all(|ratio| (0.1..3.0).contains(&ratio)));
-        assert_eq!(cells("a,\"b, c\",,d"), ["a", "b, c", "", "d"]);
+        assert!(all.iter().any(|([_, reference, _], _)| reference == "J. Tribol. 144(3) 031704; arXiv 2110.11838"));
+        // Quoted cells hold commas.
+        assert!(TABLE.lines().any(|line| cut(line, ',').len() < line.split(',').count()));
     }
 }

@@ -14,6 +14,7 @@ use crate::{CliError, Console, exit_code};
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, SLOPE, TOLERANCE};
 use slipgrid_io::formats::altitude_map::{read_period, refuse_law};
+use slipgrid_io::formats::plausible::checked_pressures;
 use slipgrid_io::formats::surface::MapOptions;
 use slipgrid_io::formats::{Diagnostic, checked};
 use slipgrid_report::Outputs;
@@ -57,7 +58,8 @@ fn request(args: &AreaLawArgs) -> Result<AreaLawOptions, Diagnostic> {
     checked("--youngs-modulus-gpa", youngs_modulus_gpa, MODULUS_GPA)?;
     let poisson_ratio = checked("--poisson-ratio", args.poisson_ratio, POISSON)?;
     let threshold_pa = args.threshold_mpa.map(|mpa| checked("--threshold-mpa", mpa, PRESSURE_MPA)).transpose()?;
-    let pressures_pa = pressures(args)?;
+    let pressures_mpa = args.pressures_mpa.as_deref().unwrap_or(&DEFAULT_PRESSURES_MPA);
+    let pressures_pa = checked_pressures("--pressures-mpa", pressures_mpa)?;
     let tolerance = checked("--tolerance", args.tolerance, TOLERANCE)?;
     Ok(AreaLawOptions { youngs_modulus_gpa, poisson_ratio, tolerance, threshold_pa, pressures_pa })
 }
@@ -96,19 +98,6 @@ fn of_map(
     job.stage_ended();
 
     Ok(request.of_map(&path.display().to_string(), &surface, &found, &resolutions))
-}
-
-fn pressures(args: &AreaLawArgs) -> Result<Vec<f64>, Diagnostic> {
-    let listed = args.pressures_mpa.as_deref().unwrap_or(&DEFAULT_PRESSURES_MPA);
-    for pair in listed.windows(2) {
-        if pair[1] <= pair[0] {
-            let reason = format!("does not exceed the {} before it", pair[0]);
-            return Err(
-                Diagnostic::flag("--pressures-mpa", pair[1].to_string(), reason).expected("pressures that increase")
-            );
-        }
-    }
-    listed.iter().map(|&pressure_mpa| checked("--pressures-mpa", pressure_mpa, PRESSURE_MPA)).collect()
 }
 
 /// Checks the flags for reading a map, and converts them to options.

@@ -10,12 +10,9 @@ use slipgrid_io::disk::disk;
 use slipgrid_io::formats::calibrated::calibrate;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::made_from::MadeFrom;
-use slipgrid_io::formats::scene::DEFAULT_SPECIMEN;
+use slipgrid_io::formats::scene::DEFAULT_SAMPLE;
 use slipgrid_io::formats::written_material::material_toml;
 use slipgrid_report::calibration::{FILES, Fitted};
-
-/// Default seed of the flat sample's local coefficients.
-pub const DEFAULT_SEED: u64 = 1;
 
 /// Calibrates and reports.
 pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -29,9 +26,8 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     let report = report.map(|place| ResultFolder::open(place, &names, &read.inputs)).transpose()?;
     // Warnings may explain a fit that fails after minutes, and are printed first.
     console.warn(&read.stated.notes);
-    let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let (task, outcome) =
-        calibrate(&read, &args.calibration, &disk(), sample, Selection::default(), &Job::new(console))?;
+        calibrate(&read, &args.calibration, &disk(), DEFAULT_SAMPLE, Selection::default(), &Job::new(console))?;
     let made_from = args.output.as_ref().and_then(|path| MadeFrom::new(&read, &args.calibration, path, &disk()));
     let file = material_toml(&task, &outcome, made_from)?;
     if let Some(path) = &args.output {

@@ -2,12 +2,11 @@
 
 use slipgrid_io::formats::calibrated::learn;
 use slipgrid_io::formats::calibration::Calibration;
-use slipgrid_io::formats::scene::DEFAULT_SPECIMEN;
+use slipgrid_io::formats::scene::DEFAULT_SAMPLE;
 use slipgrid_report::friction_sheet::{self, FrictionSheet};
 use slipgrid_report::linked_data;
 use slipgrid_report::trials::TrialsReport;
 
-use super::calibrate::DEFAULT_SEED;
 use crate::args::TrialsArgs;
 use crate::output::open;
 use crate::progress::Job;
@@ -20,11 +19,9 @@ pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     console.warn(&calibration.stated.notes);
     let names = ["trials.*", "report.html", "result.json", "timings.json", friction_sheet::FILE, linked_data::FILE];
     let folder = open(args.output.as_ref(), &names, &calibration.inputs)?;
-    let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let job = Job::new(console);
-    let (task, learned) = learn(&calibration, &args.calibration, &disk(), sample, &job)?;
-    let stated = &calibration.stated;
-    let report = TrialsReport::of_samples(&stated.name, &task, &learned, &stated.doubts, &job)?;
+    let (task, learned) = learn(&calibration, &args.calibration, &disk(), DEFAULT_SAMPLE, &job)?;
+    let report = TrialsReport::of_samples(&calibration, &task, &learned, &job)?;
     if let Some(folder) = &folder {
         console.keep(&report.files(&FrictionSheet::new(&calibration))?, folder)?;
     }

@@ -137,8 +137,7 @@ impl Calibration {
         let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
         let mut remarks = Remarks { told: bulk_told(document, bulk)?, ..Remarks::default() };
         remarks.told.extend(outline_told(document, &file.specimen, &outline)?);
-        let of_trials = file.trial.iter().filter_map(|trial| trial.get_ref().traces()).flatten();
-        let mut reader = TraceReader::new(document, file.traces.as_ref().map(Spanned::get_ref), of_trials)?;
+        let mut reader = TraceReader::new(document, &file)?;
         let samples = sharing_force(document, file.measurements.as_ref())?;
         let Measured { flat: placed, patterned, mut traces } = read_measured(document, &file, samples, &mut reader)?;
         for rows in [&placed, &patterned] {
@@ -341,9 +340,8 @@ fn inputs(
 /// Paths of the tables that the calibration names.
 fn tables(document: &Document, file: &CalibrationFile) -> Vec<PathBuf> {
     let tables = file.measurements.iter().flat_map(|table| [&table.get_ref().flat, &table.get_ref().patterned]);
-    let tables = tables.flatten().map(|name| name.get_ref().as_str());
-    let trials = file.trial.iter().filter_map(|trial| trial.get_ref().measurements());
-    tables.chain(trials).map(|name| document.resolve(name)).collect()
+    let trials = file.trial.iter().filter_map(|trial| trial.get_ref().measurements.as_ref());
+    tables.flatten().chain(trials).map(|name| document.resolve(name.get_ref())).collect()
 }
 
 /// Measurements on flat and patterned samples, from tables or traces, and the traces.
@@ -369,7 +367,7 @@ fn read_measured(
     }
     let mut read = Vec::new();
     if let Some(table) = &file.traces {
-        let needed = !file.trial.iter().any(|trial| trial.get_ref().traces().is_some());
+        let needed = !file.trial.iter().any(|trial| trial.get_ref().traces.is_some());
         let conditions = reader.table(table, needed)?;
         for kind in SurfaceKind::ALL {
             if !tables[kind as usize].is_empty() && conditions.iter().any(|(_, condition)| condition.surface == kind) {

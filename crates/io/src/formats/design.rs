@@ -26,7 +26,7 @@ use super::material::MaterialFile;
 use super::pattern::{TextureFile, read_directions, read_texture, require_section};
 use super::scene::{SampleFile, check_face, default_sample, read_layer};
 use super::target::{ConditionRangeFile, TargetFile, read_target};
-use super::trade_offs::{Given, TradeOffsFile, read_trade_offs};
+use super::trade_offs::{TradeOffsFile, read_trade_offs};
 use super::unusual;
 use super::values::{Numbers, PathOr, number_span, range};
 use crate::formats::source::Source;
@@ -219,13 +219,9 @@ impl Design {
             unusual::of_shares(&document, file.condition.iter().chain(file.also_at.iter().flat_map(Spanned::get_ref)));
         told.extend(unmeasured_fluence(&document, file.laser.as_ref(), &laser));
         let (known, calibration) = read_material_input(&document, &file.material, &mut told)?;
-        let given = Given {
-            laser: &laser,
-            target: &target,
-            texture: space.texture(),
-            has_tolerances: file.tolerances.is_some(),
-        };
-        let trade_offs = file.trade_offs.as_ref().map(|table| read_trade_offs(&document, table, &given)).transpose()?;
+        let has_tolerances = file.tolerances.is_some();
+        let compare = |table| read_trade_offs(&document, table, &laser, &target, space.texture(), has_tolerances);
+        let trade_offs = file.trade_offs.as_ref().map(compare).transpose()?;
         let named = match file.material.get_ref() {
             PathOr::Path(path) => Some(document.resolve(path)),
             PathOr::Table(_) => None,

@@ -245,6 +245,23 @@ pub fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagno
     Err(Diagnostic::flag(flag, given, "is out of range").expected(format!("{quantity}{slip}")))
 }
 
+/// Converts nominal pressures in MPa, given by a flag, to pascals.
+///
+/// # Errors
+/// [`Diagnostic`] if there are none, one is out of range, or they do not increase.
+pub fn checked_pressures(flag: &str, pressures_mpa: &[f64]) -> Result<Vec<f64>, Diagnostic> {
+    let refuse =
+        |value: String, reason: &str| Diagnostic::flag(flag, value, reason).expected("positive numbers that increase");
+    if pressures_mpa.is_empty() {
+        return Err(refuse("[]".to_owned(), "has no pressure"));
+    }
+    if let Some(pair) = pressures_mpa.windows(2).find(|pair| pair[1] <= pair[0]) {
+        return Err(refuse(pair[1].to_string(), &format!("does not exceed the {} before it", pair[0])));
+    }
+    let pressures = pressures_mpa.iter();
+    pressures.map(|&pressure_mpa| checked(flag, pressure_mpa, slipgrid_base::units::PRESSURE_MPA)).collect()
+}
+
 impl Plausible {
     /// Replaces the usual range by `usual`, a better known range.
     #[must_use]

@@ -3,7 +3,7 @@
 use super::calibration_file::CalibrationFile;
 use super::trace_table::TraceReader;
 use super::traces::{ConditionTraces, OfTrial, TraceSetup};
-use crate::formats::{Diagnostic, Document, Spanned};
+use crate::formats::{Diagnostic, Document};
 
 /// Traces of a calibration, as far as they can be read and analysed.
 #[derive(Debug, Default)]
@@ -22,11 +22,13 @@ impl ReadableTraces {
     /// [`Diagnostic`] if the document cannot be parsed, or its tables of traces are refused.
     pub fn read(document: &Document) -> Result<Self, Diagnostic> {
         let file: CalibrationFile = document.parse()?;
-        let mut reader = reader(document, &file)?;
+        let mut reader = TraceReader::new(document, &file)?;
         let mut lists = vec![file.traces.as_ref().map_or(Ok(Vec::new()), |table| reader.table(table, false))?];
         for (number, trial) in (1..).zip(&file.trial) {
-            if let Some((name, list)) = trial.get_ref().named_traces() {
-                lists.push(reader.conditions(list, Some(&OfTrial { number, name: name.to_owned() }))?);
+            let trial = trial.get_ref();
+            if let Some(list) = &trial.traces {
+                let of = OfTrial { number, name: trial.name.get_ref().clone() };
+                lists.push(reader.conditions(list, Some(&of))?);
             }
         }
         let mut all = Self::default();
@@ -45,10 +47,5 @@ impl ReadableTraces {
 /// # Errors
 /// [`Diagnostic`] if the document cannot be parsed, or its table of traces is refused.
 pub fn read_setup(document: &Document) -> Result<TraceSetup, Diagnostic> {
-    Ok(reader(document, &document.parse()?)?.into_setup())
-}
-
-fn reader<'d>(document: &'d Document, file: &CalibrationFile) -> Result<TraceReader<'d>, Diagnostic> {
-    let of_trials = file.trial.iter().filter_map(|trial| trial.get_ref().traces()).flatten();
-    TraceReader::new(document, file.traces.as_ref().map(Spanned::get_ref), of_trials)
+    Ok(TraceReader::new(document, &document.parse()?)?.setup)
 }

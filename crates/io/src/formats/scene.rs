@@ -82,6 +82,9 @@ pub const DEFAULT_LAYER: Layer =
 /// files without `[sample]`.
 pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..DEFAULT_LAYER };
 
+/// Layer, and seed of the local coefficients, of the flat sample of a calibration that no design asks for.
+pub const DEFAULT_SAMPLE: (Layer, u64) = (DEFAULT_SPECIMEN, 1);
+
 /// Options of a file without `[run]`.
 fn default_run() -> Spanned<RunOptions> {
     RunOptions::default().into()

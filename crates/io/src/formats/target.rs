@@ -120,14 +120,7 @@ pub struct ConditionRangeFile {
     /// Sliding speed: one number, or minimum and maximum.
     speed_mm_s: Spanned<Numbers>,
     /// Relative humidity: one number, or minimum and maximum.
-    humidity_pct: Spanned<Numbers>,
-}
-
-impl ConditionRangeFile {
-    /// Humidity as written.
-    pub(crate) const fn humidity(&self) -> &Spanned<Numbers> {
-        &self.humidity_pct
-    }
+    pub(crate) humidity_pct: Spanned<Numbers>,
 }
 
 /// Reads a condition or a range of conditions.

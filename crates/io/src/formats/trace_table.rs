@@ -10,6 +10,7 @@ use slipgrid_model::material::Condition;
 use slipgrid_traces::columns::{Channel, Titles};
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, Repeats, moderate};
 
+use super::calibration_file::CalibrationFile;
 use super::friction::read_condition;
 use super::measurements::ORDER;
 use super::stated_specimen::read_count;
@@ -151,7 +152,8 @@ type Zero = ([f64; 2], Range<usize>);
 /// Reads the traces of a calibration, each export once.
 pub(crate) struct TraceReader<'d> {
     document: &'d Document,
-    setup: TraceSetup,
+    /// Options for reading the exports.
+    pub(crate) setup: TraceSetup,
     window_s: [f64; 2],
     reciprocating: bool,
     stroke_share: Option<f64>,
@@ -165,25 +167,21 @@ pub(crate) struct TraceReader<'d> {
 }
 
 impl<'d> TraceReader<'d> {
-    /// Reads the options of the table `[traces]`, which hold for all traces; `of_trials` are the conditions in trials.
+    /// Reads the options of the table `[traces]` of the `calibration`, which hold for all its traces.
     ///
     /// # Errors
     /// [`Diagnostic`] for any refused input.
-    pub(crate) fn new<'f>(
-        document: &'d Document,
-        file: Option<&TracesFile>,
-        mut of_trials: impl Iterator<Item = &'f TraceConditionFile>,
-    ) -> Result<Self, Diagnostic> {
+    pub(crate) fn new(document: &'d Document, calibration: &CalibrationFile) -> Result<Self, Diagnostic> {
         let none = TracesFile::default();
-        let file = file.unwrap_or(&none);
+        let file = calibration.traces.as_ref().map_or(&none, Spanned::get_ref);
         let window_s = read_window(document, file.window_s.as_ref())?;
         let specimens = file.specimens.as_ref().map_or(Ok(1), |count| read_count(document, count))?;
         let zero_s = read_zero(document, file.zero_s.as_ref())?;
         let effective_radius_m = document.optional(file.effective_radius_mm.as_ref(), LENGTH_MM)?;
         let reciprocating = file.reciprocating.unwrap_or(false);
         let turns = |condition: &TraceConditionFile| condition.reciprocating == Some(true);
-        let some_turn =
-            reciprocating || file.condition.iter().flat_map(Spanned::get_ref).any(turns) || of_trials.any(turns);
+        let of_trials = calibration.trial.iter().filter_map(|trial| trial.get_ref().traces.as_ref());
+        let some_turn = reciprocating || file.condition.iter().chain(of_trials).flat_map(Spanned::get_ref).any(turns);
         if let Some(share) = file.stroke_share.as_ref().filter(|_| !some_turn) {
             return Err(needs_reciprocating(document, share));
         }
@@ -202,11 +200,6 @@ impl<'d> TraceReader<'d> {
             named: Vec::new(),
             seen: Vec::new(),
         })
-    }
-
-    /// Returns the options for reading the exports.
-    pub(crate) fn into_setup(self) -> TraceSetup {
-        self.setup
     }
 
     /// Reads the conditions of the table `[traces]` and checks that files exist. If `needed`, because no trial has its

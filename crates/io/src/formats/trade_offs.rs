@@ -26,27 +26,18 @@ pub struct TradeOffsFile {
     designs: Option<Spanned<usize>>,
 }
 
-/// Other inputs of the design that goals may need.
-#[derive(Clone, Copy, Debug)]
-pub struct Given<'a> {
-    /// Laser of the design.
-    pub laser: &'a Laser,
-    /// Friction target of the design.
-    pub target: &'a Target,
-    /// The texture of every design.
-    pub texture: &'a Texture,
-    /// Whether the design states the scatter of samples.
-    pub has_tolerances: bool,
-}
-
-/// Reads the table `[trade_offs]`.
+/// Reads the table `[trade_offs]` of a design with this laser, target and texture; `has_tolerances` tells whether the
+/// design states the scatter of samples.
 ///
 /// # Errors
 /// [`Diagnostic`] if goals are unknown, repeated, too few or too many, or if they need inputs that are not given.
 pub fn read_trade_offs(
     document: &Document,
     table: &Spanned<TradeOffsFile>,
-    given: &Given<'_>,
+    laser: &Laser,
+    target: &Target,
+    texture: &Texture,
+    has_tolerances: bool,
 ) -> Result<TradeOffsWanted, Diagnostic> {
     let file = table.get_ref();
     let mut goals: Vec<TradeOffGoal> = Vec::new();
@@ -54,14 +45,13 @@ pub fn read_trade_offs(
         if goals.contains(name.get_ref()) {
             return Err(document.refuse(name.span(), "stands there twice").expected("each goal once"));
         }
-        needs(document, name, given)?;
+        needs(document, name, laser, target, has_tolerances)?;
         goals.push(*name.get_ref());
     }
     if !(2..=3).contains(&goals.len()) {
         let reason = format!("has {} goals", goals.len());
         return Err(document.refuse(file.goals.span(), reason).expected("two or three, to weigh against each other"));
     }
-    let texture = given.texture;
     if texture.sliding_direction()[1] != 0.0 || texture.arrangement() != Arrangement::Square {
         return Err(document
             .refuse(table.span(), "compares some thousand designs by the friction of one vertical section along the sliding direction: rows that are staggered, \
@@ -82,14 +72,20 @@ pub fn read_trade_offs(
 }
 
 /// Refuses a goal that needs inputs that the design does not give.
-fn needs(document: &Document, name: &Spanned<TradeOffGoal>, given: &Given<'_>) -> Result<(), Diagnostic> {
-    let missing = missing_for_time(given.laser);
+fn needs(
+    document: &Document,
+    name: &Spanned<TradeOffGoal>,
+    laser: &Laser,
+    target: &Target,
+    has_tolerances: bool,
+) -> Result<(), Diagnostic> {
+    let missing = missing_for_time(laser);
     let beside = format!("{} beside it", missing.join(", "));
     let (reason, expected) = match name.get_ref() {
         TradeOffGoal::LaserTime if !missing.is_empty() => ("is a time that cannot be estimated", &beside[..]),
-        TradeOffGoal::Misfit if !given.target.has_demands() => ("has nothing to miss", "a value or a band in [target]"),
-        TradeOffGoal::Spread if !given.has_tolerances => ("needs to know how samples scatter", "a table [tolerances]"),
-        TradeOffGoal::Chance if !given.target.has_demands() || given.target.goal().is_some() => {
+        TradeOffGoal::Misfit if !target.has_demands() => ("has nothing to miss", "a value or a band in [target]"),
+        TradeOffGoal::Spread if !has_tolerances => ("needs to know how samples scatter", "a table [tolerances]"),
+        TradeOffGoal::Chance if !target.has_demands() || target.goal().is_some() => {
             ("is that of designs on a target", "a value or a band in [target], and no goal")
         }
         TradeOffGoal::LaserTime
@@ -117,10 +113,10 @@ mod tests {
         let point = TargetPoint { pressure_pa: 1e6, value: 0.9 };
         let target = Target::new(Quantity::Ratio, vec![point], 0.01).unwrap();
         let texture = Texture::new(Planform::Square);
-        let given = Given { laser, target: &target, texture: &texture, has_tolerances };
         let document = Document::new("d.toml", format!("[trade_offs]\n{text}\n"));
         let file: File = document.parse().map_err(|error: Diagnostic| error.to_string())?;
-        read_trade_offs(&document, &file.trade_offs, &given).map_err(|error| error.to_string())
+        read_trade_offs(&document, &file.trade_offs, laser, &target, &texture, has_tolerances)
+            .map_err(|error| error.to_string())
     }
 
     #[test]

@@ -30,7 +30,7 @@ use slipgrid_base::units::RELATIVE_STD;
 #[serde(deny_unknown_fields)]
 pub struct TrialFile {
     /// Name of the sample.
-    name: Spanned<String>,
+    pub(crate) name: Spanned<String>,
     /// Date of cutting, in any form.
     #[serde(default)]
     date: String,
@@ -40,9 +40,9 @@ pub struct TrialFile {
     /// Pattern of the sample, with measured dimensions.
     pattern: Spanned<PatternFile>,
     /// CSV table of measured friction, with the columns of the table of flat samples.
-    measurements: Option<Spanned<String>>,
+    pub(crate) measurements: Option<Spanned<String>>,
     /// Raw exports of a tribometer in place of the table, one table per condition; `[traces]` has the reading options.
-    traces: Option<Spanned<Vec<TraceConditionFile>>>,
+    pub(crate) traces: Option<Spanned<Vec<TraceConditionFile>>>,
     /// Altitude map of the sample as cut, with its cavities: the slope of the land over that of the flat sample
     /// corrects the modelled ratio. Needs `map` in `[surface]`, and is read with the options of `[surface]` except
     /// `crop`.
@@ -63,23 +63,6 @@ pub struct TrialFile {
     sample_std: Option<Number>,
     /// Name of the disc of which the sample is a sector. Trials on one disc share the random deviation of this disc.
     disc: Option<Spanned<String>>,
-}
-
-impl TrialFile {
-    /// Path of the measurement table; `None` if the trial names none.
-    pub fn measurements(&self) -> Option<&str> {
-        self.measurements.as_ref().map(|name| name.get_ref().as_str())
-    }
-
-    /// Name of the trial and the list of its traces; `None` without traces.
-    pub(crate) fn named_traces(&self) -> Option<(&str, &Spanned<Vec<TraceConditionFile>>)> {
-        Some((self.name.get_ref(), self.traces.as_ref()?))
-    }
-
-    /// Conditions of the trial's traces; `None` without traces.
-    pub fn traces(&self) -> Option<&[TraceConditionFile]> {
-        self.traces.as_ref().map(|list| list.get_ref().as_slice())
-    }
 }
 
 /// Flat samples of a calibration, with which the trials are compared.

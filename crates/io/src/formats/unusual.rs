@@ -122,7 +122,7 @@ pub fn of_shares<'c>(
     document: &Document,
     conditions: impl Iterator<Item = &'c Spanned<ConditionRangeFile>>,
 ) -> Vec<Diagnostic> {
-    conditions.filter_map(|of| first(of.get_ref().humidity(), |value| of_share(document, value))).collect()
+    conditions.filter_map(|of| first(&of.get_ref().humidity_pct, |value| of_share(document, value))).collect()
 }
 
 fn of_share(document: &Document, humidity: &Number) -> Option<Diagnostic> {

@@ -101,7 +101,7 @@ fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
         let error = percent(error, 1);
         format!(" Each is known to {error} % in the median, errors of Young's modulus and of the area law included.")
     });
-    page.lead(&format!("Local dynamic friction is {known}: {count} measurements on flat samples.{words}"));
+    page.marked("chance", &format!("Local dynamic friction is {known}: {count} measurements on flat samples.{words}"));
     let off =
         outcome.measurements.iter().zip(&fit.predictions).map(|(of, at)| (at.residual / of.mu_dynamic_std).powi(2));
     let off = number((off.sum::<f64>() / count.max(1) as f64).sqrt(), 1);

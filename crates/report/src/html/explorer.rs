@@ -7,7 +7,7 @@ use serde::Serialize;
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::optimize::{Bound, Quantity};
 use slipgrid_design::records::TargetReport;
-use slipgrid_design::results::{BELIEVED, PatternReport, VERSION, believed, believed_interval};
+use slipgrid_design::results::{BELIEVED, PatternReport, Table, VERSION, believed, believed_interval};
 use slipgrid_design::{
     ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer, KnownMaterial,
     percent as chance_words,
@@ -229,36 +229,28 @@ pub fn exploration(found: &Explored, toml: String) -> String {
         );
     }
     Subject { task, material, pattern, explorer, report: None, flat_mu, toml }.add(&mut page);
-    if let Some(start) = printed(found) {
-        page.add(&start);
-    }
+    printed(&mut page, found);
     page.finish(&task.name, VERSION)
 }
 
-/// Table of what is expected of the design at which the sliders start, in their place on paper.
-fn printed(found: &Explored) -> Option<Markup> {
+/// Adds what is expected of the design at which the sliders start, in their place on paper.
+fn printed(page: &mut Page, found: &Explored) {
     let own = PatternReport::from(&found.pattern);
     let lengths_um = [own.width_um, own.spacing_um, own.depth_um];
-    let read = found.predict(lengths_um)?;
-    let lengths = lengths_um.map(|um| number(um, 1));
-    let rows = TargetReport::from(&found.task.target).pressure_mpa.into_iter().enumerate();
-    let expected = if found.task.target.quantity() == Quantity::Ratio { "expected ratio" } else { "expected mu" };
-    Some(html! {
-        div class="print" {
-            table {
-                caption {
-                    "Where the sliders start, in µm: " (LENGTHS[0]) " " (lengths[0]) ", " (LENGTHS[1]) " " (lengths[1]) ", " (LENGTHS[2]) " " (lengths[2])
-                    @if let Some(chance) = read.chance { "; chance on target, all pressures: " (chance_words(chance)) }
-                }
-                thead { tr { th scope="col" { "pressure in MPa" } th scope="col" { (expected) } th scope="col" { "95 % of samples" } } }
-                tbody {
-                    @for (load, pressure_mpa) in rows {
-                        tr { td { (number(pressure_mpa, 3)) } td { (believed(read.expected[load], 3)) } td { (believed_interval([read.lower_95[load], read.upper_95[load]])) } }
-                    }
-                }
-            }
-        }
-    })
+    let Some(read) = found.predict(lengths_um) else { return };
+    let pressures_mpa = TargetReport::from(&found.task.target).pressure_mpa;
+    let rows: Vec<(usize, &f64)> = pressures_mpa.iter().enumerate().collect();
+    let mut table = Table::of(&rows);
+    table.column("pressure in MPa", |(_, pressure_mpa)| number(**pressure_mpa, 3));
+    let is_ratio = found.task.target.quantity() == Quantity::Ratio;
+    let expected = if is_ratio { "expected ratio" } else { "expected mu" };
+    table.column(expected, |(load, _)| believed(read.expected[*load], 3));
+    table.column("95 % of samples", |(load, _)| believed_interval([read.lower_95[*load], read.upper_95[*load]]));
+    let lengths = lengths_um.iter().zip(LENGTHS).map(|(um, name)| format!("{name} {}", number(*um, 1)));
+    let lengths = lengths.collect::<Vec<_>>().join(", ");
+    let chance = read.chance.map(|chance| format!("; chance on target, all pressures: {}", chance_words(chance)));
+    let caption = format!("Where the sliders start, in µm: {lengths}{}", chance.unwrap_or_default());
+    page.block("print", |page| page.table(&caption, &table.table()));
 }
 
 /// Lists the points of the map, each with a button that selects the point.

@@ -200,14 +200,9 @@ impl Page {
         self.add(&html! { p { (Text(text)) } });
     }
 
-    /// Adds a paragraph with a class of the style sheet.
+    /// Adds a paragraph with a class of the style sheet, such as `chance` for the main sentence of the page, or `warning`.
     pub fn marked(&mut self, class: &str, text: &str) {
         self.add(&html! { p class=(class) { (Text(text)) } });
-    }
-
-    /// Adds a warning.
-    pub fn warning(&mut self, text: &str) {
-        self.marked("warning", text);
     }
 
     /// Adds the list of all `doubts`, the gravest first. The list is not folded, so that all doubts are printed. Adds
@@ -249,11 +244,6 @@ impl Page {
                 p aria-hidden="true" { (words) }
             }
         });
-    }
-
-    /// Adds the main sentence of the page.
-    pub fn lead(&mut self, text: &str) {
-        self.marked("chance", text);
     }
 
     /// Adds numbered steps under a name; adds nothing for an empty list.

@@ -85,7 +85,7 @@ pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
 
 fn verdict(page: &mut Page, report: &SurfaceReport) {
     let value = |symbol: &str, digits| number(report.parameter(symbol), digits);
-    page.lead(&format!("Rms slope {}, Sq {} µm.", value("rms slope", 4), value("Sq", 3)));
+    page.marked("chance", &format!("Rms slope {}, Sq {} µm.", value("rms slope", 4), value("Sq", 3)));
     page.paragraph("The rms slope decides real contact area and with it the area law; heights alone decide neither.");
     let side = |count: usize, pixel_um: f64| number(count as f64 * pixel_um * 1e-3, 3);
     let [dx, dy] = report.pixel_um;

@@ -278,7 +278,7 @@ fn text_is_escaped_and_loses_its_control_characters_wherever_it_stands() {
     page.title(hostile);
     page.heading(hostile);
     page.paragraph(hostile);
-    page.warning(hostile);
+    page.marked("warning", hostile);
     page.list(&[hostile.to_owned()]);
     let mut table = slipgrid_design::results::Table::new([hostile]);
     table.row([hostile.to_owned()]);

@@ -93,10 +93,10 @@ fn picture(page: &mut Page, outputs: &Outputs) {
 /// Adds a summary of the trials in a few sentences.
 fn verdict(page: &mut Page, report: &TrialsReport) {
     let Some(before) = report.coverage.first().filter(|_| !report.trials.is_empty()) else {
-        page.lead("No trial was measured: what the model lacks is as wide as what is believed before any.");
+        page.marked("chance", "No trial was measured: what the model lacks is as wide as what is believed before any.");
         return;
     };
-    page.lead(&headline(before));
+    page.marked("chance", &headline(before));
     if let Some(effect) = report.effects.first() {
         // The interval is symmetric in the logarithm of the ratio.
         let times = |deviations: f64| number((effect.value + deviations * effect.std).exp(), 3);
@@ -110,14 +110,17 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
     let predicted = report.rows().into_iter().filter(|(_, at)| at.before.known > 0);
     let largest = predicted.max_by(|a, b| a.1.before.surprise.abs().total_cmp(&b.1.before.surprise.abs()));
     if let Some((trial, at)) = largest.filter(|(_, at)| at.before.surprise.abs() >= SURPRISING) {
-        page.warning(&format!(
-            "The largest surprise: {} at {} MPa, {} measured where {} was predicted ({} standard deviations).",
-            trial.name,
-            number(at.pressure_mpa, 2),
-            number(at.measured, 3),
-            number(at.before.ratio, 3),
-            number(at.before.surprise, 1)
-        ));
+        page.marked(
+            "warning",
+            &format!(
+                "The largest surprise: {} at {} MPa, {} measured where {} was predicted ({} standard deviations).",
+                trial.name,
+                number(at.pressure_mpa, 2),
+                number(at.measured, 3),
+                number(at.before.ratio, 3),
+                number(at.before.surprise, 1)
+            ),
+        );
     }
 }
 

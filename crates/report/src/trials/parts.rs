@@ -8,6 +8,7 @@ use slipgrid_base::units::{LENGTH_UM, tidy};
 use slipgrid_design::RatioPrediction;
 use slipgrid_infer::calibrate::{CalibrationTask, Learned};
 use slipgrid_infer::discrepancy::{Discrepancy, Sensitivity, Trial};
+use slipgrid_io::formats::calibration::Calibration;
 
 use super::{PER_MM, TrialsReport};
 
@@ -80,22 +81,21 @@ impl SampleScatter {
 }
 
 impl TrialsReport {
-    /// Makes the ledger of the calibration `name` from the samples of `task` and `learned`, the discrepancy learned
-    /// from these samples, with pending samples and slopes of the land between cavities. `doubts` about the input come
-    /// first among the warnings.
+    /// Makes the ledger of the `calibration` from the samples of `task` and `learned`, the discrepancy learned from these
+    /// samples, with pending samples and slopes of the land between cavities. Doubts about the input come first among
+    /// the warnings.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` has cancelled.
     pub fn of_samples(
-        name: &str,
+        calibration: &Calibration,
         task: &CalibrationTask,
         learned: &Learned,
-        doubts: &[String],
         monitor: &dyn Monitor,
     ) -> Result<Self, Cancelled> {
         let Learned { discrepancy, pending, lands, .. } = learned;
-        let ledger = Self::new(name, &task.flat, &task.trials.samples, discrepancy, monitor)?;
+        let ledger = Self::new(&calibration.stated.name, &task.flat, &task.trials.samples, discrepancy, monitor)?;
         let predicted = pending.iter().map(|sample| PendingTrial::new(sample, discrepancy)).collect();
-        Ok(Self { predicted, lands: lands.clone(), ..ledger }.with_warnings(doubts.to_vec()))
+        Ok(Self { predicted, lands: lands.clone(), ..ledger }.with_warnings(calibration.stated.doubts.clone()))
     }
 }

@@ -16,12 +16,9 @@ use slipgrid_design::results::fixed;
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::altitude_map::{read_period, told};
 use slipgrid_io::formats::calibrated::calibrate;
-use slipgrid_io::formats::scene::DEFAULT_SPECIMEN;
+use slipgrid_io::formats::scene::DEFAULT_SAMPLE;
 use slipgrid_io::formats::source::Source;
-use slipgrid_io::formats::surface::Surface;
-
-/// Random seed of the flat sample's local coefficients in the fit of a pressure scale, as for `calibrate` and `trials`.
-const FIT_SEED: u64 = 1;
+use slipgrid_io::formats::surface::NamedMap;
 
 /// Area law of the surface with all heights multiplied by one factor, and the contact area at each tabulated pressure;
 /// without a surface, the lists of pressures and areas are empty.
@@ -152,8 +149,7 @@ fn fitted_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor
     // The fit uses flat samples only, so that trials are removed.
     let mut flat = task.calibration.clone();
     flat.stated.trials.samples.clear();
-    let sample = (DEFAULT_SPECIMEN, FIT_SEED);
-    let (_, found) = calibrate(&flat, task.path, source, sample, Selection::default(), monitor)?;
+    let (_, found) = calibrate(&flat, task.path, source, DEFAULT_SAMPLE, Selection::default(), monitor)?;
     let refuse = |error: &dyn std::fmt::Display| {
         let key = Some("fit.area_law_scale_mpa".into());
         Diagnostic { key, ..Diagnostic::file(task.path, format!("gives no area law: {error}")) }

@@ -17,7 +17,7 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
         page.paragraph(&format!("Compared is the trial \"{trial}\", as grooves of its lengths."));
     }
     if report.synthetic_surface {
-        page.warning(
+        page.marked("warning", 
             "The altitude map behind the area law is synthetic, not measured: measured are the friction coefficients and the \
              pattern's dimensions alone. Read the spread between slopes of the surface as the model's uncertainty.",
         );
