@@ -4,9 +4,9 @@ use slipgrid_base::units::{
     DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_MM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, significant, tidy,
 };
 use slipgrid_design::results::{PatternReport, Table, fixed};
-use slipgrid_infer::calibrate::{CutSample, Measurement};
+use slipgrid_infer::calibrate::{CutSample, Measurement, Surface};
 use slipgrid_io::formats::calibration::Calibration;
-use slipgrid_io::formats::surface::Surface;
+use slipgrid_io::formats::surface::NamedMap;
 use slipgrid_io::formats::traces::{ConditionTraces, SurfaceKind};
 use slipgrid_model::pattern::Planform;
 
@@ -56,12 +56,12 @@ impl FrictionSheet {
         let thickness = calibration.thickness_m.map(|m| format!("{} mm", tidy(LENGTH_MM.from_si(m))));
         let stated = calibration.reporting.clone();
         let measured = measured(calibration);
-        let map = match &calibration.surface {
-            Surface::Map { path, synthetic, .. } => {
+        let map = match (&calibration.map, &calibration.stated.surface) {
+            (Some(NamedMap { path, synthetic, .. }), _) => {
                 let kind = if *synthetic { "synthetic altitude map" } else { "altitude map" };
                 Some(format!("{kind} {}", path.file_name().unwrap_or_default().to_string_lossy()))
             }
-            Surface::Persson { rms_slope } => Some(format!("rms slope {rms_slope}")),
+            (None, Surface::RmsSlope(rms_slope)) => Some(format!("rms slope {rms_slope}")),
             _ => None,
         };
         let spans = |of: fn(&Measured) -> f64| span(measured.iter().map(of));

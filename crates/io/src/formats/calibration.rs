@@ -3,12 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use slipgrid_base::monitor::Monitor;
-use slipgrid_infer::calibrate::{
-    CalibrationTask, Coefficients, CutSample, MapSurface, Measurement, Selection, Surface as LawSource,
-    flat_friction_law,
-};
+use slipgrid_infer::calibrate::{CalibrationTask, Coefficients, CutSample, Measurement, Selection, Surface};
 use slipgrid_laser::export::Specimen;
-use slipgrid_model::material::{AreaLaw, Elastic, Extrapolation};
+use slipgrid_model::material::Elastic;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Holder, Layer};
 
@@ -22,13 +19,13 @@ use super::pattern::{PatternFile, check_depth, read_pattern};
 use super::reporting::Reporting;
 use super::scene::DEFAULT_LAYER;
 use super::stated_specimen::{StatedSpecimen, area_m2, extent_m, outline_told, sharing_force};
-use super::surface::{Surface, SurfaceFile};
+use super::surface::{NamedMap, read_surface};
 use super::trace_notes::unrepeated;
 use super::trace_table::TraceReader;
 use super::traces::{self, ConditionTraces, SurfaceKind};
 use super::trials::{self, FlatSamples};
 use super::unusual;
-use crate::formats::altitude_map::{read_land, read_period};
+use crate::formats::altitude_map::read_land;
 use crate::formats::plausible::{DENSITY, MODULUS, stiff_for_its_density};
 use crate::formats::source::Source;
 use crate::formats::{Diagnostic, Document, Spanned};
@@ -42,11 +39,11 @@ pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
 /// A calibration ready to be fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// Calibration task with the values that the file states; [`Calibration::task`] adds surface, layer, seed and
-    /// selection.
+    /// Calibration task with the values that the file states; [`Calibration::task`] adds layer, seed and selection, and the
+    /// surface of a map.
     pub stated: CalibrationTask,
-    /// Source of the area law, as the file states it.
-    pub surface: Surface,
+    /// Map from which the area law is computed; `None` if the law has another source.
+    pub map: Option<NamedMap>,
     /// Thickness of the specimen, in metres; `None` if the file does not state it.
     pub thickness_m: Option<f64>,
     /// How the specimen is held; `None` if the file does not state it.
@@ -57,13 +54,6 @@ pub struct Calibration {
     pub traces: Vec<ConditionTraces>,
     /// Pattern of the patterned samples; `None` if the file does not state it.
     pub pattern: Option<Pattern>,
-    /// Bounds of the pressure scale of the area law, contact modulus times rms slope, in pascals, if no surface is
-    /// given and the scale is fitted; otherwise `None`.
-    pub area_law_scale_pa: Option<[f64; 2]>,
-    /// Area law in which friction depends on local pressure as measured flat friction depends on nominal pressure, if
-    /// the calibration uses this law, otherwise `None`. The shape is the mean over the conditions that were measured at
-    /// several pressures.
-    pub measured_law: Option<AreaLaw>,
     /// File positions of the measurements on flat samples, in the order of the files.
     pub placed: Vec<Placed>,
     /// Tables that the file names: of flat samples, patterned samples and trials.
@@ -127,7 +117,6 @@ impl Calibration {
         )
         .and_then(|elastic| elastic.with_yield_pressure_pa(yield_pressure_pa))
         .map_err(|error| document.refuse(file.material.span(), error.to_string()))?;
-        let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| Surface::new(document, surface))?;
         let threshold = file.surface.as_ref().and_then(|surface| surface.get_ref().threshold_mpa.as_ref());
         let threshold_pa = document.optional(threshold, PRESSURE_MPA)?;
         let fit = file.fit.clone().unwrap_or_default();
@@ -154,23 +143,22 @@ impl Calibration {
         remarks.told.extend(file.pattern.iter().flat_map(|table| unusual::of_cavity(document, table)));
         let pattern = cut.as_ref().map(|cut| cut.pattern);
         let first = cut.filter(|_| !patterned.is_empty());
-        let has_map = matches!(surface, Surface::Map { .. });
-        let flat = FlatSamples { stated, specimens: &specimens, measured: &placed, samples, has_map };
+        let scale_pa = read_scale(document, &fit, file.surface.is_some())?;
+        let rows: Vec<Measurement> = placed.iter().map(|row| row.measurement).collect();
+        let (surface, map) = match (&file.surface, scale_pa) {
+            (Some(table), _) => read_surface(document, table, (&rows, specimens.area_m2))?,
+            (None, Some(bounds_pa)) => (Surface::FittedScale { bounds_pa }, None),
+            (None, None) => (Surface::None, None),
+        };
+        let flat = FlatSamples { stated, specimens: &specimens, measured: &placed, samples, has_map: map.is_some() };
         let prior = file.trial_prior.as_ref();
         let (trials, of_trials) =
             trials::read_trials(document, &file.trial, prior, &flat, first, &mut reader, &mut remarks)?;
         let once = unrepeated(&traces);
         traces.extend(of_trials);
-        let area_law_scale_pa = read_scale(document, &fit, file.surface.is_some())?;
-        let measured_law = match (&surface, &file.surface) {
-            (Surface::Measured { extrapolation }, Some(table)) => {
-                Some(measured_law(document, table, &placed, specimens.area_m2, *extrapolation)?)
-            }
-            _ => None,
-        };
         Ok(Self {
             tables: tables(document, &file),
-            inputs: inputs(document, &file, &surface, &traces)
+            inputs: inputs(document, &file, map.as_ref(), &traces)
                 .chain(trials.samples.iter().filter_map(|cut| cut.map.clone()))
                 .collect(),
             reporting: file.reporting.clone().unwrap_or_default(),
@@ -182,10 +170,10 @@ impl Calibration {
                 poisson_ratio: document
                     .optional(bulk.poisson_ratio.as_ref(), POISSON)?
                     .unwrap_or(DEFAULT_POISSON_RATIO),
-                surface: LawSource::None,
+                surface,
                 threshold_pa,
                 specimen_area_m2: specimens.area_m2,
-                flat: placed.iter().map(|row| row.measurement).collect(),
+                flat: rows,
                 trials,
                 coefficients,
                 relative_std: document
@@ -198,14 +186,12 @@ impl Calibration {
                 notes: remarks.told.iter().map(Diagnostic::to_string).collect(),
                 doubts: remarks.warnings().into_iter().chain(once).collect(),
             },
-            surface,
+            map,
             thickness_m: stated.thickness_m,
             holder: stated.holder,
             patterned: patterned.iter().map(|row| row.measurement).collect(),
             traces,
             pattern,
-            area_law_scale_pa,
-            measured_law,
             placed,
         })
     }
@@ -221,34 +207,17 @@ impl Calibration {
         selection: Selection,
         monitor: &dyn Monitor,
     ) -> Result<CalibrationTask, Diagnostic> {
-        let surface = self.read_surface(files, monitor)?;
         let mut task = CalibrationTask { layer, seed, selection, ..self.stated.clone() };
-        if let (Surface::Map { options, .. }, LawSource::Map(flat)) = (&self.surface, &surface) {
+        if let Some(named) = &self.map {
+            let flat = named.read(files, monitor)?;
             for cut in &mut task.trials.samples {
-                cut.land =
-                    cut.map.as_ref().map(|map| read_land(files, map, options, &flat.map, monitor)).transpose()?;
+                let land = cut.map.as_ref().map(|map| read_land(files, map, &named.options, &flat.map, monitor));
+                cut.land = land.transpose()?;
             }
+            task.surface = Surface::Map(Box::new(flat));
         }
         task.notes.extend(traces::notes(&self.traces));
-        Ok(CalibrationTask { surface, ..task })
-    }
-
-    /// Reads the maps, and returns the source of the area law.
-    fn read_surface(&self, files: &Source, monitor: &dyn Monitor) -> Result<LawSource, Diagnostic> {
-        Ok(match (&self.surface, &self.measured_law, self.area_law_scale_pa) {
-            (Surface::Measured { extrapolation }, Some(law), _) => {
-                LawSource::FlatFriction { law: law.clone(), extrapolation: *extrapolation }
-            }
-            (Surface::Persson { rms_slope }, ..) => LawSource::RmsSlope(*rms_slope),
-            (Surface::Map { path, synthetic, options, windows, after }, ..) => LawSource::Map(Box::new(MapSurface {
-                map: read_period(files, path, options, monitor)?,
-                synthetic: *synthetic,
-                windows: *windows,
-                after: after.as_ref().map(|after| read_period(files, after, options, monitor)).transpose()?,
-            })),
-            (_, _, Some(bounds_pa)) => LawSource::FittedScale { bounds_pa },
-            _ => LawSource::None,
-        })
+        Ok(task)
     }
 
     /// Finds the file position of `measurement` on a flat sample; `None` for other measurements.
@@ -261,27 +230,6 @@ impl Calibration {
         // P = F / A
         force_n / self.stated.specimen_area_m2
     }
-}
-
-/// Area law that follows from the friction of flat samples in `rows`, for a specimen of the area `area_m2`.
-fn measured_law(
-    document: &Document,
-    table: &Spanned<SurfaceFile>,
-    rows: &[Placed],
-    area_m2: f64,
-    extrapolation: Extrapolation,
-) -> Result<AreaLaw, Diagnostic> {
-    let flat: Vec<Measurement> = rows.iter().map(|row| row.measurement).collect();
-    let law = flat_friction_law(&flat, area_m2, extrapolation)
-        .map_err(|error| document.refuse(table.span(), error.to_string()))?;
-    law.ok_or_else(|| {
-        document
-            .refuse(
-                table.span(),
-                "takes flat friction for the law of local pressure, and no condition has it at several pressures",
-            )
-            .expected("flat samples measured at one speed and humidity at two forces or more, the lightest among them")
-    })
 }
 
 /// Diagnostics for unusual modulus and density; refuses impossible values.
@@ -326,13 +274,10 @@ pub(crate) fn read_fitting_pattern(
 fn inputs(
     document: &Document,
     file: &CalibrationFile,
-    surface: &Surface,
+    map: Option<&NamedMap>,
     traces: &[ConditionTraces],
 ) -> impl Iterator<Item = PathBuf> {
-    let maps: Vec<PathBuf> = match surface {
-        Surface::Map { path, after, .. } => std::iter::once(path.clone()).chain(after.clone()).collect(),
-        _ => Vec::new(),
-    };
+    let maps = map.into_iter().flat_map(|map| std::iter::once(&map.path).chain(&map.after).cloned());
     let traces = traces.iter().flat_map(|traces| traces.condition.files.iter().map(|export| export.path.clone()));
     std::iter::once(document.path().to_owned()).chain(tables(document, file)).chain(maps).chain(traces)
 }

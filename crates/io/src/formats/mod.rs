@@ -55,7 +55,6 @@ pub mod outline;
 pub mod pattern;
 pub mod plausible;
 pub mod readable_traces;
-pub mod refused_calibration;
 pub mod relief;
 pub mod reporting;
 pub mod run;

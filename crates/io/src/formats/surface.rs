@@ -4,13 +4,17 @@ use std::path::PathBuf;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
+use slipgrid_base::monitor::Monitor;
+use slipgrid_infer::calibrate::{MapSurface, Measurement, Surface, flat_friction_law};
 use slipgrid_model::material::Extrapolation;
 use slipgrid_surface::topography::{
     Crop, Decimation, DecimationMethod, Form, LengthUnit, Missing, Preparation, ReadOptions,
 };
 
+use super::altitude_map::read_period;
 use super::material::existing;
 use super::values::Number;
+use crate::formats::source::Source;
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{LENGTH_UM, SLOPE};
 
@@ -73,86 +77,93 @@ pub struct MapOptions {
     pub how: Preparation,
 }
 
-/// Source of the area law.
+/// Altitude map of a calibration, from which its area law is computed, with the options for reading the map.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Surface {
-    /// Rough contact of a measured or synthetic altitude map.
-    Map {
-        /// Path of the map.
-        path: PathBuf,
-        /// Whether the calibration file declares the map synthetic.
-        synthetic: bool,
-        /// Options for reading the map.
-        options: MapOptions,
-        /// Number of windows along each side of the map whose scatter gives the standard errors of the law; fewer than
-        /// 2 for none, `None` for the default.
-        windows: Option<usize>,
-        /// Path of the map of a flat sample after the test, which is read with the same options and only compared with
-        /// `path`.
-        after: Option<PathBuf>,
-    },
-    /// No surface: measured flat friction is the law of local pressure.
-    Measured {
-        /// Extrapolation above the last measured pressure.
-        extrapolation: Extrapolation,
-    },
-    /// Persson's theory of contact for a surface with an rms slope.
-    Persson {
-        /// Rms slope, dimensionless.
-        rms_slope: f64,
-    },
-    /// No area law: friction is proportional to load (Amontons-Coulomb).
-    None,
+pub struct NamedMap {
+    /// Path of the map.
+    pub path: PathBuf,
+    /// Whether the calibration file declares the map synthetic.
+    pub synthetic: bool,
+    /// Options for reading the map.
+    pub options: MapOptions,
+    /// Number of windows along each side of the map whose scatter gives the standard errors of the law; fewer than 2 for
+    /// none, `None` for the default.
+    pub windows: Option<usize>,
+    /// Path of the map of a flat sample after the test, which is read with the same options and only compared with
+    /// `path`.
+    pub after: Option<PathBuf>,
 }
 
-impl Surface {
-    /// Reads the table `[surface]`.
+impl NamedMap {
+    /// Reads and prepares the maps.
     ///
     /// # Errors
-    /// [`Diagnostic`] unless the table names one of a map, a slope and a measured law, and every value is valid.
-    pub fn new(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Self, Diagnostic> {
-        let surface = file.get_ref();
-        if let Some(law) = &surface.local_law {
-            return measured(document, surface, law);
+    /// Errors of [`read_period`].
+    pub(crate) fn read(&self, files: &Source, monitor: &dyn Monitor) -> Result<MapSurface, Diagnostic> {
+        let period = |path: &PathBuf| read_period(files, path, &self.options, monitor);
+        Ok(MapSurface {
+            map: period(&self.path)?,
+            synthetic: self.synthetic,
+            windows: self.windows,
+            after: self.after.as_ref().map(period).transpose()?,
+        })
+    }
+}
+
+/// Reads the table `[surface]`: the source of the area law, or the map of which it is computed. `flat` are the
+/// measurements on flat samples, on a specimen of the area `area_m2`.
+///
+/// # Errors
+/// [`Diagnostic`] unless the table names one of a map, a slope and a measured law, and every value is valid.
+pub(crate) fn read_surface(
+    document: &Document,
+    file: &Spanned<SurfaceFile>,
+    (flat, area_m2): (&[Measurement], f64),
+) -> Result<(Surface, Option<NamedMap>), Diagnostic> {
+    let surface = file.get_ref();
+    let law = |law| document.choice(law, &[true, false], |measured| if measured { "measured" } else { "area" });
+    if surface.local_law.as_ref().map(law).transpose()? == Some(true) {
+        return Ok((measured_law(document, file, flat, area_m2)?, None));
+    }
+    if let Some(extrapolation) = &surface.extrapolation {
+        return Err(document
+            .refuse(extrapolation.span(), "stands without a measured law")
+            .expected("`local_law = \"measured\"` beside it, or none"));
+    }
+    if let (Some(after), None) = (&surface.map_after, &surface.map) {
+        return Err(document.refuse(after.span(), "stands alone").expected("`map` beside it: the map before the test"));
+    }
+    let existing = |path: &Spanned<String>| existing(document, path, path.get_ref());
+    match (&surface.map, &surface.persson_rms_slope, &surface.windows) {
+        (Some(_), Some(slope), _) => {
+            Err(document.refuse(slope.span(), "stands beside a map").expected("either `map` or `persson_rms_slope`"))
         }
-        if let Some(extrapolation) = &surface.extrapolation {
-            return Err(document
-                .refuse(extrapolation.span(), "stands without a measured law")
-                .expected("`local_law = \"measured\"` beside it, or none"));
+        (None, None, _) => Err(document.missing(file.span(), "map").expected("`map` or `persson_rms_slope`")),
+        (None, Some(_), Some(windows)) => {
+            Err(document.refuse(windows.span(), "stands without a map").expected("windows only of a map"))
         }
-        if let (Some(after), None) = (&surface.map_after, &surface.map) {
-            return Err(document
-                .refuse(after.span(), "stands alone")
-                .expected("`map` beside it: the map before the test"));
-        }
-        let existing = |path: &Spanned<String>| existing(document, path, path.get_ref());
-        match (&surface.map, &surface.persson_rms_slope, &surface.windows) {
-            (Some(_), Some(slope), _) => Err(document
-                .refuse(slope.span(), "stands beside a map")
-                .expected("either `map` or `persson_rms_slope`")),
-            (None, None, _) => Err(document.missing(file.span(), "map").expected("`map` or `persson_rms_slope`")),
-            (None, Some(_), Some(windows)) => {
-                Err(document.refuse(windows.span(), "stands without a map").expected("windows only of a map"))
-            }
-            (None, Some(slope), None) => Ok(Self::Persson { rms_slope: document.number(slope, SLOPE)? }),
-            (Some(map), None, windows) => Ok(Self::Map {
+        (None, Some(slope), None) => Ok((Surface::RmsSlope(document.number(slope, SLOPE)?), None)),
+        (Some(map), None, windows) => {
+            let map = NamedMap {
                 path: existing(map)?,
                 synthetic: surface.synthetic.unwrap_or(false),
                 options: options(document, surface)?,
                 windows: windows.as_ref().map(|windows| *windows.get_ref()),
                 after: surface.map_after.as_ref().map(existing).transpose()?,
-            }),
+            };
+            Ok((Surface::None, Some(map)))
         }
     }
 }
 
-/// Reads the table if `local_law` is given: the value `measured` makes measured flat friction the local law, the value
-/// `area` selects a surface as without the key.
-fn measured(document: &Document, file: &SurfaceFile, law: &Spanned<String>) -> Result<Surface, Diagnostic> {
-    if !document.choice(law, &[true, false], |measured| if measured { "measured" } else { "area" })? {
-        let rest = SurfaceFile { local_law: None, ..file.clone() };
-        return Surface::new(document, &Spanned::new(law.span(), rest));
-    }
+/// Area law that follows from the measured friction of flat samples, which `local_law = "measured"` asks for.
+fn measured_law(
+    document: &Document,
+    table: &Spanned<SurfaceFile>,
+    flat: &[Measurement],
+    area_m2: f64,
+) -> Result<Surface, Diagnostic> {
+    let file = table.get_ref();
     let maps = file.map.as_ref().or(file.map_after.as_ref()).map(Spanned::span);
     if let Some(stray) = maps.or(file.persson_rms_slope.as_ref().map(Spanned::span)) {
         return Err(document
@@ -161,10 +172,18 @@ fn measured(document: &Document, file: &SurfaceFile, law: &Spanned<String>) -> R
     }
     let Some(extrapolation) = &file.extrapolation else {
         let expected = "\"constant\" or \"logarithmic\": how friction goes on above the last measured pressure";
-        return Err(document.missing(law.span(), "extrapolation").expected(expected));
+        return Err(document.missing(table.span(), "extrapolation").expected(expected));
     };
     let extrapolation = document.choice(extrapolation, &Extrapolation::ALL, Extrapolation::name)?;
-    Ok(Surface::Measured { extrapolation })
+    let law = flat_friction_law(flat, area_m2, extrapolation)
+        .map_err(|error| document.refuse(table.span(), error.to_string()))?;
+    let law = law.ok_or_else(|| {
+        let reason = "takes flat friction for the law of local pressure, and no condition has it at several pressures";
+        document
+            .refuse(table.span(), reason)
+            .expected("flat samples measured at one speed and humidity at two forces or more, the lightest among them")
+    })?;
+    Ok(Surface::FlatFriction { law, extrapolation })
 }
 
 fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagnostic> {

@@ -4,7 +4,7 @@ use serde::Serialize;
 use slipgrid_infer::calibrate::area_law::{
     CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve,
 };
-use slipgrid_infer::calibrate::{LawPressures, Selection};
+use slipgrid_infer::calibrate::{LawPressures, Selection, Surface};
 use slipgrid_model::material::AreaLaw;
 use slipgrid_surface::contact::AreaPoint;
 
@@ -68,11 +68,7 @@ impl ScaledLaws {
 ///
 /// # Errors
 /// [`Failure`] if the map cannot be read or its contact area gives no law.
-pub fn scaled_laws(
-    task: &ValidationTask<'_>,
-    source: &Source,
-    monitor: &dyn Monitor,
-) -> Result<ScaledLaws, Failure> {
+pub fn scaled_laws(task: &ValidationTask<'_>, source: &Source, monitor: &dyn Monitor) -> Result<ScaledLaws, Failure> {
     let (path, calibration, factors) = (task.path, task.calibration, &task.slope_factors);
     let contact_modulus_pa = calibration.stated.elastic.contact_modulus_pa(calibration.stated.poisson_ratio);
     let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(path, error.to_string());
@@ -86,17 +82,17 @@ pub fn scaled_laws(
         notes: vec![note.to_owned()],
     };
     let stated_pa = calibration.stated.threshold_pa;
-    match &calibration.surface {
-        Surface::None if calibration.area_law_scale_pa.is_some() => fitted_laws(task, source, monitor),
-        Surface::None => Ok(without_surface(
+    match (&calibration.map, &calibration.stated.surface) {
+        (None, Surface::FittedScale { .. }) => fitted_laws(task, source, monitor),
+        (None, Surface::None | Surface::Map(_)) => Ok(without_surface(
             None,
             "the calibration has no surface: friction is proportional to load, whatever the slope",
         )),
-        Surface::Measured { .. } => Ok(without_surface(
-            calibration.measured_law.clone(),
+        (None, Surface::FlatFriction { law, .. }) => Ok(without_surface(
+            Some(law.clone()),
             "the calibration takes measured flat friction for the local law: no surface, whatever the slope",
         )),
-        Surface::Persson { rms_slope } => {
+        (None, Surface::RmsSlope(rms_slope)) => {
             let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
             let laws = at_slopes(factors, *rms_slope, |slope_factor| {
                 let scaled = rms_slope * slope_factor;
@@ -109,7 +105,7 @@ pub fn scaled_laws(
             let notes = vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()];
             Ok(ScaledLaws { laws, synthetic: false, notes })
         }
-        Surface::Map { path: map_path, synthetic, options, .. } => {
+        (Some(NamedMap { path: map_path, synthetic, options, .. }), _) => {
             let surface = read_period(source, map_path, options, monitor)?;
             // A(P; s h) = A(P/s; h), with area A, pressure P, heights h, factor s: the curve of the given surface
             // suffices.
