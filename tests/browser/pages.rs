@@ -90,6 +90,7 @@ fn pages_can_be_read_on_a_desk_and_on_a_phone() {
             return;
         };
         page.ask("document.querySelectorAll('details').forEach(own => { own.open = true; })");
+        assert_eq!(page.ask(SKIPPED_LEVELS), json!([]), "{name}");
         for window in WINDOWS {
             page.resize(window);
             assert_eq!(page.ask(CUT_OFF), json!([]), "{name} {window:?}");
@@ -265,6 +266,12 @@ pub const CUT_OFF: &str = r"(() => {
     if (!scrolls) cut.push(`${element.tagName} ${element.className} ${box.left.toFixed(0)} to ${box.right.toFixed(0)} ${element.textContent.slice(0, 30)}`);
   }
   return cut;
+})()";
+
+/// Script that lists headings more than one level below the heading before.
+pub const SKIPPED_LEVELS: &str = r"(() => {
+  const headings = [...document.querySelectorAll('h1, h2, h3, h4')], level = heading => Number(heading?.tagName[1] ?? 0);
+  return headings.filter((own, i) => level(own) > level(headings[i - 1]) + 1).map(own => `${own.tagName} ${own.textContent}`);
 })()";
 
 /// Script that lists text in drawings of less than 9 pixels on the screen.

@@ -305,6 +305,7 @@ fn works(page: &mut dyn Page, folder: &Path) {
         let cut_off = cut_off.as_array().unwrap().iter().filter(|own| !own.to_string().contains("Skip to the page"));
         assert_eq!(cut_off.count(), 0, "{page_name}: {}", page.ask(pages::CUT_OFF));
         assert_eq!(page.ask(pages::CONTRAST), json!([]), "{page_name}");
+        assert_eq!(page.ask(pages::SKIPPED_LEVELS), json!([]), "{page_name}");
     }
 }
 

@@ -273,12 +273,5 @@ fn basis(page: &mut Page, report: &DesignReport) {
     let has_rim = report.sample.design.rim().is_some();
     let lacking = not_modelled(has_rim).map(|what| what.split(':').next().unwrap_or_default());
     known.push(format!("not modelled: {}", lacking.join(", ")));
-    page.add(&html! {
-        div class="basis" {
-            h3 { "What this rests on" }
-            ul {
-                @for words in &known { li { (Text(words)) } }
-            }
-        }
-    });
+    page.block("basis", |page| page.named_list("What this rests on", &known));
 }

@@ -81,6 +81,8 @@ const ALONE: &str = "This page holds all its numbers itself: no files belong to 
 pub struct Page {
     body: String,
     pictures: usize,
+    /// Whether what is added stands in a part with a heading.
+    is_in_part: bool,
     /// Whether the page has no accompanying files.
     is_alone: bool,
 }
@@ -131,9 +133,14 @@ impl Page {
         self.add(&html! { h2 { (Text(text)) } });
     }
 
-    /// Adds a heading of a subsection.
+    /// Adds a heading of a subsection; outside of all parts its level is that of a section, so that no level is left
+    /// out.
     pub fn subheading(&mut self, text: &str) {
-        self.add(&html! { h3 { (Text(text)) } });
+        self.add(&if self.is_in_part {
+            html! { h3 { (Text(text)) } }
+        } else {
+            html! { h2 class="sub" { (Text(text)) } }
+        });
     }
 
     /// Returns the content written by `write`, which is not added.
@@ -145,7 +152,9 @@ impl Page {
 
     /// Adds the content written by `write` under a heading; adds nothing if `write` adds nothing.
     pub fn part(&mut self, name: &str, write: impl FnOnce(&mut Self)) {
+        let outer = std::mem::replace(&mut self.is_in_part, true);
         let inside = self.written(write);
+        self.is_in_part = outer;
         if !inside.is_empty() {
             self.heading(name);
             self.body.push_str(&inside);

@@ -89,6 +89,9 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     outputs.add("scene.toml", "[material]\nname = \"m & n\"\n");
     let page = page_of(&report(), &outputs);
     assert_eq!(unbalanced(&page), Vec::<String>::new());
+    let levels: Vec<u32> =
+        page.match_indices("<h").filter_map(|(at, _)| page[at + 2..].chars().next()?.to_digit(10)).collect();
+    assert!(levels.windows(2).all(|pair| pair[1] <= pair[0] + 1) && levels.contains(&3), "{levels:?}");
     for said in [
         "<h1>a &lt;b&gt; &amp; &quot;c&quot;</h1>",
         "<p class=\"date\">2026-11-22</p>",
