@@ -49,7 +49,8 @@ export function drawExplorer(root, path, signal, onPrediction) {
     moveTo(isFirst ? answer.best_um : null);
     if (isFirst && answer.best_um) wanted = true;
     chance.textContent = !answer.expected ? "No answer for this texture"
-      : answer.chance === null ? "" : `${percent(answer.chance)} chance to be on target`;
+      : answer.chance === null ? ""
+        : `${percent(answer.chance)} chance to be on target${answer.condition ? ", all conditions at once" : ""}`;
     const rows = [["Largest local pressure", answer.peak_pressure_mpa, "MPa"],
       ["Clearance left under a cavity", answer.clearance_um, "µm"],
       ["Share of the face that is cavity", 100 * answer.areal_density, "%"], ["Laser time", answer.laser_s, "s"]];

@@ -30,9 +30,9 @@ export function targetPlot(onMove, onSettle) {
   const picture = svg("g");
   const grips = svg("g");
   const root = svg("svg", { role: "group", "aria-label": "Target over pressure" }, picture, grips);
+  const expected = h("span", {}, "expected sample, 95 % of samples");
   const legend = h("p", { class: "key" },
-    [["goodfill", "accepted"], ["good", "handle: drag it, or use the arrow keys"],
-      ["sample", "expected sample, 95 % of samples"]]
+    [["goodfill", "accepted"], ["good", "handle: drag it, or use the arrow keys"], ["sample", expected]]
       .map(([colour, text]) => h("span", {}, h("i", { style: `background:var(--${colour})` }), text)));
   const el = h("div", { class: "plot" }, root, legend);
   const handles = new Map();
@@ -164,6 +164,11 @@ export function targetPlot(onMove, onSettle) {
   return {
     el,
     setTarget: (next) => { target = next; draw(); },
-    setPrediction: (next) => { prediction = next; draw(); },
+    setPrediction: (next) => {
+      prediction = next;
+      const condition = next?.condition ? ` at ${next.condition}` : "";
+      expected.textContent = `expected sample${condition}, 95 % of samples`;
+      draw();
+    },
   };
 }

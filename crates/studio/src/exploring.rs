@@ -11,7 +11,7 @@ use axum::extract::{Query, State};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use slipgrid_base::monitor::Monitor;
-use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::{DesignError, Explored, explore_bounds};
 use slipgrid_io::disk::disk;
 use slipgrid_io::formats::calibrated::complete;
@@ -123,10 +123,16 @@ pub async fn predict(State(shared): State<Arc<Shared>>, Query(texture): Query<Te
         let lengths_um = [texture.width_um, texture.spacing_um, texture.depth_um];
         let points = found.task.target.points();
         let read = found.predict(lengths_um);
+        // Values are those of the first condition; the chance is that of all.
+        let has_several = !found.task.also_at.is_empty() || !found.task.directions.different_deg.is_empty();
+        let condition = found.task.condition.filter(|_| has_several).map(|at| {
+            format!("{} mm/s, {} %", tidy(SPEED_MM_S.from_si(at.speed_m_s)), tidy(HUMIDITY_PCT.from_si(at.humidity)))
+        });
         let band = |end: usize| points.iter().map(|point| point.wanted.band()[end]).collect::<Vec<_>>();
         let read = read.as_ref();
         Ok(json!({
             "pressure_mpa": points.iter().map(|point| tidy(PRESSURE_MPA.from_si(point.pressure_pa))).collect::<Vec<_>>(),
+            "condition": condition,
             "quantity": found.task.target.quantity().name(),
             "lowest": band(0),
             "highest": band(1),

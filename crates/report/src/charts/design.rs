@@ -104,25 +104,36 @@ fn target_beside(title: &str, report: &DesignReport, measured: &[[f64; 2]]) -> R
         points.iter().map(|point| point.pressure_mpa).chain(of_samples)
     };
 
-    let [blue, vermilion, green, purple, ..] = PALETTE;
+    let [blue, vermilion, green, purple, orange] = PALETTE;
+    let condition = |row: usize| row / points.len();
+    let conditions = report.sample.expected.len().div_ceil(points.len()).max(1);
+    // Each condition has a mark, and another colour once all marks are taken.
+    let style = |condition: usize| {
+        let marks = [Mark::Circle, Mark::Diamond, Mark::Triangle, Mark::Square];
+        (marks[condition % marks.len()], [vermilion, orange][condition / marks.len() % 2])
+    };
+    let named = samples().step_by(points.len()).map(|(row, at)| {
+        let at = if conditions > 1 { format!(", {}", at.condition_in_words()) } else { String::new() };
+        (style(condition(row)), format!("expected{at}"))
+    });
+    let named: Vec<_> = named.collect();
     // In an order that fills the rows of a narrow picture.
     let (has_samples, has_model) = (samples().next().is_some(), samples().any(|(row, _)| model(row).is_some()));
     let legend = [
         (limits().next().is_some(), Swatch::Band(green, BAND), "accepted"),
-        (has_samples, Swatch::Mark(Mark::Circle, vermilion), "expected"),
         (!flat.is_empty(), Swatch::Mark(Mark::Triangle, GREY), "flat"),
         (has_samples, Swatch::Band(vermilion, INTERVAL), "95 % of samples"),
         (has_model, Swatch::Mark(Mark::Ring, blue), "model alone"),
         (!measured.is_empty(), Swatch::Mark(Mark::Square, purple), "earlier trials"),
     ];
-    let legend =
+    let mut legend: Vec<_> =
         legend.into_iter().filter(|(is_drawn, ..)| *is_drawn).map(|(_, swatch, label)| (swatch, label)).collect();
+    let place = usize::from(limits().next().is_some());
+    legend.splice(place..place, named.iter().map(|((mark, colour), label)| (Swatch::Mark(*mark, *colour), &**label)));
 
     // The band extends slightly beyond the first and the last pressure, so that it surrounds the marks.
     let [low_mpa, high_mpa] = extremes(pressures());
     let range_mpa = if high_mpa > low_mpa { high_mpa - low_mpa } else { 0.3 * high_mpa.abs() };
-    let condition = |row: usize| row / points.len();
-    let conditions = report.sample.expected.len().div_ceil(points.len()).max(1);
     let shift_mpa =
         |condition: usize| CONDITION_STEP * range_mpa * (condition as f64 - 0.5 * (conditions as f64 - 1.0));
     let beyond_mpa = 0.03 * range_mpa + shift_mpa(conditions - 1);
@@ -150,11 +161,12 @@ fn target_beside(title: &str, report: &DesignReport, measured: &[[f64; 2]]) -> R
     let wanted = widened().filter_map(|point| Some([point.pressure_mpa, point.value?])).collect();
     let of_sample = |(row, at): (usize, &Expected)| {
         let pressure_mpa = at.pressure_mpa + shift_mpa(condition(row));
+        let (mark, colour) = style(condition(row));
         let [left, right] = [-1.0, 1.0].map(|side| pressure_mpa + side * HALF_BAR * range_mpa);
         let (low, high) = (at.low_95, at.high_95);
         [
             Layer::Area(vec![[left, low], [right, low], [right, high], [left, high]], vermilion, INTERVAL),
-            Layer::marks(Mark::Circle, [[pressure_mpa, at.median]], vermilion),
+            Layer::marks(mark, [[pressure_mpa, at.median]], colour),
             Layer::marks(Mark::Ring, model(row).map(|model| [pressure_mpa, model]), blue),
         ]
     };
@@ -353,15 +365,17 @@ mod tests {
     }
 
     #[test]
-    fn conditions_stand_side_by_side() {
+    fn conditions_stand_side_by_side_with_a_mark_and_a_name_each() {
         let mut both = report();
-        let bars = |report: &DesignReport| drawn(report).unwrap().matches("<polygon").count();
-        let once = bars(&both);
-        both.sample.expected.extend(both.sample.expected.clone());
-        assert_eq!(bars(&both), once + 2);
+        let count = |svg: &str| ["<polygon", "<circle"].map(|shape| svg.matches(shape).count());
+        let [polygons, circles] = count(&drawn(&both).unwrap());
+        let further = both.sample.expected.clone().into_iter().map(|at| Expected { speed_mm_s: 7.0, ..at });
+        both.sample.expected.extend(further);
         let svg = drawn(&both).unwrap();
-        let circles: Vec<&str> = svg.split("<circle ").skip(1).filter_map(|rest| rest.split(' ').next()).collect();
-        assert!(circles.iter().collect::<BTreeSet<_>>().len() >= 5, "{circles:?}");
+        // Two bars and two diamonds, and a diamond in the legend.
+        assert_eq!(count(&svg), [polygons + 5, circles]);
+        let names = ["\nexpected, 2 mm/s, 40 %\n", "\nexpected, 7 mm/s, 40 %\n"].map(|name| svg.find(name));
+        assert!(names.is_sorted() && !names.contains(&None) && !svg.contains("\nexpected\n"), "{names:?}");
     }
 
     #[test]

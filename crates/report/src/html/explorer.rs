@@ -17,7 +17,7 @@ use slipgrid_model::springblock::Load;
 
 use self::surfaces::{AxisData, LENGTHS, Packed, axes_data};
 use super::page::{Page, number};
-use super::points::Point;
+use super::points::{Point, in_words};
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
@@ -167,8 +167,12 @@ impl Subject<'_> {
         let explorer = self.explorer;
         let quantity = if self.task.target.quantity() == Quantity::Ratio { "ratio" } else { "friction" };
         let several = !self.task.also_at.is_empty() || !self.task.directions.different_deg.is_empty();
-        let conditions =
-            if several { " The chance holds for all conditions; values are those of the first." } else { "" };
+        let conditions = if several {
+            let first = self.task.condition.map(|of| format!(", {}", in_words(of.speed_m_s, of.humidity)));
+            format!(" The chance holds for all conditions; values are those of the first{}.", first.unwrap_or_default())
+        } else {
+            String::new()
+        };
         let error = if explorer.checked == 0 {
             "No random design has an answer to compare the interpolation with.".to_owned()
         } else {

@@ -64,7 +64,7 @@ pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Out
         page.block("cut", |page| to_cut(page, report, outputs, found));
         page.block("plot", |page| {
             let several = report.sample.expected.len() > report.target.pressure_mpa.len();
-            let conditions = if several { "; conditions side by side, in the order of the table below" } else { "" };
+            let conditions = if several { "; expected at several conditions, side by side at each pressure" } else { "" };
             let caption = format!("Friction of a cut sample against pressure{conditions}; earlier trials have textures and loads of their own");
             if let Ok(svg) = target("", report, found) {
                 page.picture(&svg, &caption);

@@ -17,6 +17,12 @@ const ALIKE: f64 = 1e-6;
 /// Relative tolerance of the test whether a point lies within the bounds of the map.
 const ROOM: f64 = 1e-6;
 
+/// Describes the condition with sliding speed `speed_m_s` and relative humidity `humidity`, from 0 to 1.
+pub(super) fn in_words(speed_m_s: f64, humidity: f64) -> String {
+    let [speed_mm_s, humidity_pct] = [SPEED_MM_S.from_si(speed_m_s), HUMIDITY_PCT.from_si(humidity)];
+    format!("{} mm/s, {} %", plain(tidy(speed_mm_s)), plain(tidy(humidity_pct)))
+}
+
 /// Point on the explorer's map.
 #[derive(Serialize)]
 pub(super) struct Point {
@@ -65,9 +71,7 @@ impl Subject<'_> {
         let words = |of: &slipgrid_infer::discrepancy::Measured| {
             let mut condition = format!("{} MPa", number(PRESSURE_MPA.from_si(of.load.pressure_pa), 2));
             if !is_any {
-                let (speed, humidity) =
-                    (tidy(SPEED_MM_S.from_si(of.load.speed_m_s)), tidy(HUMIDITY_PCT.from_si(of.load.humidity)));
-                condition += &format!(", {} mm/s, {} %", plain(speed), plain(humidity));
+                condition += &format!(", {}", in_words(of.load.speed_m_s, of.load.humidity));
             }
             let here = on_map.then(|| self.ratio(&at, of.load.pressure_pa)).flatten();
             let beside = here.map_or_else(

@@ -229,7 +229,7 @@ fn further_conditions_have_rows_of_their_own() {
     report.sample.modelled.extend(report.sample.modelled.clone());
     let page = page_of(&report, &Outputs::default());
     assert!(page.contains(">speed, humidity, direction<") && page.contains("<td>2 mm/s, 80 %</td>"));
-    assert!(page.contains("conditions side by side"));
+    assert!(page.contains("several conditions, side by side") && page.contains("expected, 2 mm/s, 80 %"));
     // For a friction target, the flat surface, and with it the model alone, is known at the design condition only.
     report.target.quantity = "mu_dynamic".into();
     let page = page_of(&report, &Outputs::default());

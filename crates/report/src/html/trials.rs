@@ -1,5 +1,7 @@
 //! Page of a ledger of trials: predictions before the samples were cut, measurements, and remaining unknowns.
 
+use std::iter::once;
+
 use slipgrid_design::results::{Table, believed, believed_interval};
 
 use super::page::{Page, number, percent, sentence};
@@ -85,8 +87,8 @@ fn picture(page: &mut Page, outputs: &Outputs) {
     page.picture_of(
         outputs,
         "trials.svg",
-        "Above: every measured ratio (squares, a colour a trial) beside the prediction by the trials before it. Grey bars: 95 %, cut off at the \
-         frame. Below: measured ratios against the texture and the pressure",
+        "Above: every measured ratio (squares, a colour a trial) beside the prediction by the trials before it, by its number in the ledger. Grey \
+         bars: 95 %, cut off at the frame. Below: measured ratios against the texture and the pressure",
     );
 }
 
@@ -207,10 +209,14 @@ fn published(page: &mut Page, report: &TrialsReport) {
 fn details(page: &mut Page, report: &TrialsReport) {
     let rows = report.rows();
     page.part("The ledger", |page| {
+        let ledger = report.ledger(false);
+        let mut numbered = Table::new(once("number").chain(ledger.header().iter().map(String::as_str)));
+        let numbers = (1..).map(|number: usize| number.to_string());
+        numbers.zip(ledger.body()).for_each(|(number, row)| numbered.row(once(number).chain(row.iter().cloned())));
         page.table(
             "Ratios patterned over flat, dimensionless. Before: predicted by the trials before, those of the first trial by what is believed \
              before any, with the interval of 95 %, the measurement's own errors included. Surprise: distance of the measured ratio from that prediction, in its standard deviations.",
-            &report.ledger(false),
+            &numbered,
         );
         page.paragraph(MODELLED);
         page.table(
