@@ -44,16 +44,11 @@ pub enum StoredError {
     )]
     Next(#[source] serde_json::Error),
     /// The requested sample does not exist.
-    #[error(
-        "has {rows} samples: those to cut first, then yours, then the other designs, as `slipgrid next` lists them"
-    )]
+    #[error("has {rows} samples: those to cut first, then yours, then the others worth cutting")]
     NoSample {
         /// Number of samples.
         rows: usize,
     },
-    /// A sample was requested from a result with one design.
-    #[error("is a result of `slipgrid optimize`, which has one design and no samples")]
-    OneDesign,
     /// The samples are sectors of one specimen, and no sample number was given.
     #[error(
         "holds sectors of one specimen, whose drawing pattern.dxf stands beside it; --sample 1 takes the pattern of the first on a whole \
@@ -69,9 +64,22 @@ struct Kind {
     samples: Option<IgnoredAny>,
 }
 
+/// Other textures worth cutting in a result of `optimize`.
+#[derive(Deserialize)]
+struct Others {
+    #[serde(default)]
+    others: Vec<Other>,
+}
+
+#[derive(Deserialize)]
+struct Other {
+    design: PatternReport,
+}
+
 impl StoredDesign {
-    /// Reads the design from a result of `optimize`, or the sample with the number `sample` from a result of `next`:
-    /// its row in the table, counted from 1, by default the first.
+    /// Reads the sample with the number `sample` from a result of `optimize` or `next`: its row in the table, counted
+    /// from 1, by default the first. In a result of `optimize` the first is the design, and the others worth cutting
+    /// follow.
     ///
     /// # Errors
     /// [`StoredError`].
@@ -79,8 +87,13 @@ impl StoredDesign {
         let is_next =
             serde_json::from_str(text).is_ok_and(|kind: Kind| kind.design.is_none() && kind.samples.is_some());
         if !is_next {
-            let stored = serde_json::from_str(text).map_err(StoredError::Optimize)?;
-            return if sample.is_none() { Ok(stored) } else { Err(StoredError::OneDesign) };
+            let stored: Self = serde_json::from_str(text).map_err(StoredError::Optimize)?;
+            let Some(row) = sample.filter(|&sample| sample != 1) else { return Ok(stored) };
+            let Others { others } = serde_json::from_str(text).map_err(StoredError::Optimize)?;
+            let rows = 1 + others.len();
+            let other = row.checked_sub(2).and_then(|place| others.into_iter().nth(place));
+            let Other { design } = other.ok_or(StoredError::NoSample { rows })?;
+            return Ok(Self { design, ..stored });
         }
         let stored: NextReport = serde_json::from_str(text).map_err(StoredError::Next)?;
         if stored.one_disc.is_some() && sample.is_none() {

@@ -2,9 +2,10 @@
 
 import { has, hashOf, load, loadFolder, on, state } from "./api.js";
 import { drawSummary } from "./form.js";
-import { jobButton, outdated, watchResult } from "./jobs.js";
+import { jobButton, make, outdated, watchResult } from "./jobs.js";
 import { addTrial, calibrationOf, materialLine, trialOf } from "./trial.js";
-import { alert, button, dimensions, fileUrl, h, heading, link, percent, reportFrame, stem, table } from "./ui.js";
+import { alert, button, dimensions, fileUrl, h, heading, link, percent, reportFrame, short, stem, table,
+  zipLink } from "./ui.js";
 
 const DOWNLOADS = ["pattern.dxf", "pattern.svg", "process.toml", "scene.toml"];
 const MISSED = ["cannot_be_met", "do_not_texture"];
@@ -32,10 +33,34 @@ export function decision(result) {
       sample.chance === null ? "" : `; chance that a cut sample is on target: ${percent(sample.chance)}`));
 }
 
-/// Table of textures with their chances.
-export function textures(caption, samples, calibration) {
-  const rows = samples.map((sample) => [dimensions(sample.design), percent(sample.chance),
-    sample.expected.map((load) => load.median.toFixed(2)).join(", "), cutButton(sample.design, calibration) ?? ""]);
+/// Button that writes the laser's files for the texture with the number `sample` in the result in `out`, and downloads
+/// them.
+function laserButton(out, sample) {
+  const folder = `${out}-sample-${sample}`;
+  const write = button("Laser files", async () => {
+    write.disabled = true;
+    try {
+      await make(["export", `${out}/result.json`, "--sample", String(sample), "-o", folder]);
+      zipLink(folder).click();
+    } catch (error) { write.after(alert(error)); }
+    write.disabled = false;
+  });
+  return write;
+}
+
+/// Medians at the pressures of the target; where there are several conditions, each with its name.
+function medians(expected) {
+  const nameOf = (at) => `${short(at.speed_mm_s)} mm/s, ${short(at.humidity_pct)} %${
+    at.sliding_angle_deg === undefined || at.sliding_angle_deg === null ? "" : `, ${short(at.sliding_angle_deg)}°`}`;
+  const conditions = [...Map.groupBy(expected, nameOf)];
+  return conditions.map(([name, loads]) => loads.map((load) => load.median.toFixed(2)).join(", ")
+    + (conditions.length > 1 ? ` (${name})` : "")).join("; ");
+}
+
+/// Table of textures with their chances; `filesOf(i)` is what leads to the laser's files of a texture.
+export function textures(caption, samples, calibration, filesOf) {
+  const rows = samples.map((sample, i) => [dimensions(sample.design), percent(sample.chance),
+    medians(sample.expected), [cutButton(sample.design, calibration) ?? "", " ", filesOf(i)]]);
   return table(caption, ["Texture", "Chance", "Expected at the pressures of the target", ""], rows);
 }
 
@@ -69,8 +94,9 @@ export async function show(root, signal) {
       decision(record),
       record.design && h("p", {}, cutButton(record.design, calibration)),
       h("p", { class: "line" }, "Download: ", files.map((name) => link(fileUrl(`${out}/${name}`, true), name)),
-        link(`/api/zip?${new URLSearchParams({ path: out })}`, "all files as zip", { download: `${stem(out)}.zip` })),
-      record.others?.length > 0 && textures("Also worth cutting", record.others, calibration),
+        zipLink(out, "all files as zip")),
+      record.others?.length > 0 && textures("Also worth cutting", record.others, calibration,
+        (i) => laserButton(out, i + 2)),
       has(`${out}/report.html`) && reportFrame(`${out}/report.html`, `Report of ${record.name}`),
     ].filter(Boolean));
   };

@@ -25,6 +25,12 @@ export function firstError(job) {
   return EXITS[job.exit_code] ?? line?.replace(/^error: /, "") ?? "The job failed without a message.";
 }
 
+/// Runs a command to its end; throws unless it is done.
+export async function make(command) {
+  const job = await run(command);
+  if (job.state !== "done") throw new Error(firstError(job));
+}
+
 /// Strip with running jobs and the job that ended last.
 export function jobStrip(root) {
   const hidden = new Set();

@@ -1,7 +1,7 @@
 // Beginning a material or a design: forms that ask for a name and write the template.
 
-import { edit, get, hashOf, load, loadFolder, materialName, measuredTable, run, save, state } from "./api.js";
-import { firstError } from "./jobs.js";
+import { edit, get, hashOf, load, loadFolder, materialName, measuredTable, save, state } from "./api.js";
+import { make } from "./jobs.js";
 import { alert, h, nameForm, parent, relative, stem } from "./ui.js";
 
 /// Examples in the template of a calibration, beside the rows of its table. What was measured is for the user to enter.
@@ -12,11 +12,6 @@ function begin(root, label, action, value, onName) {
   const failed = h("div", {});
   const start = (name) => onName(name).catch((error) => failed.replaceChildren(alert(error)));
   root.append(nameForm(label, action, value, start), failed);
-}
-
-async function make(command) {
-  const job = await run(command);
-  if (job.state !== "done") throw new Error(firstError(job));
 }
 
 async function choose(paths, page) {

@@ -9,7 +9,7 @@ import { targetsOf } from "./material.js";
 import { drawTrace } from "./traceview.js";
 import { calibrationOf, materialLine } from "./trial.js";
 import { alert, button, dimensions, dropZone, h, heading, join, link, newId, parent, percent, reportFrame, resolve,
-  short, stem, table } from "./ui.js";
+  short, stem, table, zipLink } from "./ui.js";
 
 const COLUMNS = [["chosen", "Chosen", "No sample is chosen."], ["cut", "Cut", "No cut sample waits to be measured."],
   ["measured", "Measured", "No sample is measured yet."]];
@@ -152,7 +152,8 @@ export async function show(root, signal) {
   const pending = () => (calibration.values?.trial ?? []).filter((trial) => columnOf(trial) !== "measured").length;
   const drawNext = (record) => proposed.replaceChildren(!isOwn || pending() === record.pending ? ""
     : h("p", { class: "note" }, "Other samples wait to be measured now. Ask again what to cut."), decision(record),
-    textures("Samples to cut", record.samples, calibration), record.one_on_target === null ? ""
+    textures("Samples to cut", record.samples, calibration, (i) => zipLink(`${outNext}/next-${i + 1}`, "Laser files")),
+    record.one_on_target === null ? ""
       : h("p", {}, `Chance that one of these, or of the pending ones, is on target: ${percent(record.one_on_target)}`));
   let shown = null;
   on("doc", (now) => { if (now.path === home) { calibration = now; if (shown) drawNext(shown); } }, signal);

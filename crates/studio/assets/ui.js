@@ -129,6 +129,11 @@ export function debounce(fn, ms) {
   return (...args) => { clearTimeout(timer); timer = setTimeout(() => fn(...args), ms); };
 }
 
+/// Link that downloads all files of a folder.
+export function zipLink(folder, label) {
+  return link(`/api/zip?${new URLSearchParams({ path: folder })}`, label, { download: "" });
+}
+
 export const stem = (path) => path.split("/").pop().replace(/\.[^.]*$/, "");
 export const parent = (path) => (path.includes("/") ? path.slice(0, path.lastIndexOf("/")) : "");
 export const join = (folder, name) => (folder ? `${folder}/${name}` : name);

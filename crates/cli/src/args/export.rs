@@ -13,6 +13,7 @@ use super::named;
 #[command(after_help = "Examples:\n  \
     slipgrid export out/ldpe-lower-friction/result.json --format dxf,svg -o laser\n  \
     slipgrid export out/ldpe-lower-friction/result.json --format plt,hatch,png,stl -o laser\n  \
+    slipgrid export out/ldpe-lower-friction --sample 2 -o out/ldpe-lower-friction-sample-2\n  \
     slipgrid export out/next --sample 2 --format plt -o out/next/next-2\n\n\
     gcode and hatch need laser.spot_um in the design, gcode also laser.speed_mm_s; a mask has no lines and \
     neither file. What cannot be written is said at the end, after the other formats. A pattern finer than the \
@@ -20,7 +21,7 @@ use super::named;
 pub struct ExportArgs {
     /// result.json of `optimize` or `next`, or the folder that holds it
     pub result: PathBuf,
-    /// Number of the sample in the table of a result of `next`; the first by default
+    /// Number of the sample in the table of the result; the first by default, which of `optimize` is the design
     #[arg(long, value_name = "N")]
     pub sample: Option<usize>,
     /// Formats, separated by commas

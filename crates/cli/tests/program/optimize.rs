@@ -3,7 +3,7 @@
 use std::fs;
 
 use crate::common::{Place, by_hand, names, optimized, program, short, trusted};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Design of a short sample of several periods, confirmed in a second, with a target at one pressure.
 fn design(value: &str) -> String {
@@ -90,6 +90,29 @@ fn every_planform_can_be_exported() {
         let place = Place::with(&[("result.json", &result(texture))]);
         let message = place.refuse(&["export", "result.json", "--format", "dxf", "-o", "laser"]);
         assert!(message.starts_with(&format!("error: result.json: {says}")), "{message}");
+    }
+}
+
+#[test]
+fn other_textures_worth_cutting_are_samples_after_the_design() {
+    let text = by_hand(r#""planform": "square""#, "", r#""shape": "disc", "diameter_mm": 10.0"#);
+    let mut result: Value = serde_json::from_str(&text).unwrap();
+    let others = [61.0, 73.0].map(|width_um| {
+        let mut other = json!({ "design": result["design"], "chance": 0.3 });
+        other["design"]["width_um"] = json!(width_um);
+        other
+    });
+    let own = result["design"]["width_um"].as_f64().unwrap();
+    result["others"] = json!(others);
+    let place = Place::with(&[("result.json", &result.to_string())]);
+    for (sample, width_um) in [("1", own), ("2", 61.0), ("3", 73.0)] {
+        place.succeed(&["export", "result.json", "--sample", sample, "-o", sample]);
+        assert_eq!(place.toml(&format!("{sample}/process.toml"))["pattern"]["width_um"].as_float(), Some(width_um));
+        assert!(place.read(&format!("{sample}/pattern.dxf")).contains(&format!("width {width_um:.3} um")));
+    }
+    for sample in ["0", "4"] {
+        let said = place.refuse(&["export", "result.json", "--sample", sample, "-o", "none"]);
+        assert!(said.contains("has 3 samples"), "{said}");
     }
 }
 
