@@ -183,6 +183,10 @@ fn works(page: &mut dyn Page, folder: &Path) {
     enter(page, "Speed in mm/s of pom/traces/flat-160N-1.csv", "5");
     enter(page, "Humidity in % of pom/traces/flat-160N-1.csv", "50");
     press(page, "Add 5 files to the material");
+    // A file that nothing reads is not copied.
+    drop_files(page, ".page > .drop", &[("friction.xlsx".to_owned(), "PK".to_owned())]);
+    says(page, "friction.xlsx: no format that is read here. Save traces as CSV");
+    assert!(!folder.join("pom/traces/friction.xlsx").exists());
     // The traces hold a torque: the page says what is missing.
     says(page, "`effective_radius_mm` in [traces]");
     let calibration = file("pom/calibration.toml");
@@ -278,6 +282,27 @@ fn works(page: &mut dyn Page, folder: &Path) {
     drop_files(page, "article .drop", &measured);
     press(page, "Add 2 files to the trials");
     says(page, "Traces: 2; conditions: 2");
+    // A trace that was attached by mistake is taken off, and can be added again.
+    let attached = file("pom/calibration.toml");
+    press(page, "Traces: 2");
+    press(page, "Remove traces/cut-1-80N-5mm_s-50pct.csv");
+    says(page, "Traces: 1; conditions: 1");
+    assert!(!file("pom/calibration.toml").contains("cut-1-80N"));
+    press(page, "Add 1 file to the trials");
+    says(page, "Traces: 2; conditions: 2");
+    let sorted = |text: &str| {
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        lines.sort();
+        lines
+    };
+    assert_eq!(sorted(&file("pom/calibration.toml")), sorted(&attached));
+    press(page, "Material");
+    press(page, "Traces: 5");
+    press(page, "Remove traces/flat-300N-2.csv");
+    says(page, "Traces: 4; conditions: 4");
+    press(page, "Add 1 file to the material");
+    says(page, "Traces: 5; conditions: 4");
+    press(page, "Trials");
     press(page, "What was learned");
     says(page, "Ratio to the flat sample, predicted from earlier trials and measured");
     press(page, "What to cut next");

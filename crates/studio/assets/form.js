@@ -1,7 +1,7 @@
 // Forms drawn from a JSON schema. Each field writes one key of the TOML file through the server.
 
 import { edit, on, ofKind } from "./api.js";
-import { alert, button, h, newId, parent, relative } from "./ui.js";
+import { alert, button, h, newId, parent, relative, valueAt } from "./ui.js";
 
 const UNITS = { um: "µm", mm: "mm", mpa: "MPa", n: "N", mm_s: "mm/s", pct: "%", s: "s", gpa: "GPa", g_cm3: "g/cm³",
   deg: "°", nm: "nm", ns: "ns", hz: "Hz", j_cm2: "J/cm²", gw_cm2: "GW/cm²" };
@@ -16,8 +16,6 @@ export function labelOf(key) {
   const label = words.join(" ");
   return { label: label[0].toUpperCase() + label.slice(1), unit: unit ? UNITS[unit] : "" };
 }
-
-export const valueAt = (values, at) => at.reduce((value, key) => value?.[key], values);
 
 /// Schema of the key at `at`.
 export function schemaAt(schema, at, values) {

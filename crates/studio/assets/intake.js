@@ -1,9 +1,10 @@
-// New exports: force, speed, humidity and sample of each file, guessed from its name until they are confirmed.
+// Exports that are not used yet, with force, speed, humidity and sample of each, guessed from its name until they are
+// confirmed; and those in use, which can be taken off.
 
-import { edit, say, state } from "./api.js";
+import { edit, say, state, upload } from "./api.js";
 import { parseNumbers } from "./form.js";
 import { readTrace } from "./traceview.js";
-import { alert, button, h, parent, relative, table } from "./ui.js";
+import { alert, button, h, join, parent, relative, short, table, valueAt } from "./ui.js";
 
 const NUMBERS = { force_n: "Force in N", speed_mm_s: "Speed in mm/s", humidity_pct: "Humidity in %" };
 const PATTERNS = {
@@ -11,6 +12,7 @@ const PATTERNS = {
   speed_mm_s: [/(\d+(?:[.,]\d+)?)[ _]?mm(?:[ _-]?(?:per|p))?[ _-]?s/i],
   humidity_pct: [/(\d+(?:[.,]\d+)?)[ _]?(?:pct|percent|%|rh)/i, /rh[ _-]?(\d+(?:[.,]\d+)?)/i],
 };
+const TABLE_FILE = /\.(csv|txt|dat|tsv|asc)$/i;
 const DEFAULT_WINDOW_S = [10, 40];
 /// Table that every new calibration begins with.
 const TEMPLATE_TABLE = "flat.csv";
@@ -19,6 +21,17 @@ const TEMPLATE_TABLE = "flat.csv";
 /// that come later.
 const rows = new Map();
 const entered = new Map();
+
+/// Copies dropped files that are tables or named like `others` into the folders that `folderOf` gives; says in
+/// `refused` what was not copied, and why. Resolves to the paths.
+export async function takeFiles(files, folderOf, refused, others = TABLE_FILE) {
+  const isKnown = ({ name }) => TABLE_FILE.test(name) || others.test(name);
+  const unknown = files.filter((file) => !isKnown(file)).map(({ name }) => ({ path: name,
+    error: "no format that is read here. Save traces as CSV or text, and drop them again." }));
+  const results = [...unknown, ...await upload(files.filter(isKnown), folderOf)];
+  refused.replaceChildren(...results.filter((one) => one.error).map((one) => alert(`${one.path}: ${one.error}`)));
+  return results.filter((one) => !one.error).map((one) => one.path);
+}
 
 /// Row of a file for the calibration `doc`: its numbers from its name, or else those entered last or of the last
 /// condition, and the fields that show them.
@@ -83,7 +96,7 @@ async function additions(doc, chosen) {
   const lists = new Map();
   for (const { file, row, target } of chosen) {
     const place = target.at.join(".");
-    const list = lists.get(place) ?? structuredClone(target.at.reduce((value, key) => value?.[key], doc.values) ?? []);
+    const list = lists.get(place) ?? structuredClone(valueAt(doc.values, target.at) ?? []);
     lists.set(place, list);
     const wanted = { ...target.extra, ...Object.fromEntries(Object.keys(NUMBERS).map((key) => [key, row[key]])) };
     const isEqual = (one) => Object.keys(NUMBERS).every((key) => one[key] === wanted[key])
@@ -96,7 +109,7 @@ async function additions(doc, chosen) {
       list.push({ ...wanted, files: [name], ...(window_s ? { window_s } : {}) });
     }
     const index = list.indexOf(found ?? list.at(-1));
-    const isNew = index >= (target.at.reduce((value, key) => value?.[key], doc.values)?.length ?? 0);
+    const isNew = index >= (valueAt(doc.values, target.at)?.length ?? 0);
     const at = isNew ? [...target.at, index] : [...target.at, index, "files"];
     const value = isNew ? list[index] : list[index].files;
     const known = edits.find((one) => one.at.join() === at.join());
@@ -109,6 +122,32 @@ async function additions(doc, chosen) {
   const { window_s } = edits[0].value;
   edits.forEach(({ value }) => delete value.window_s);
   return [{ at: ["traces", "window_s"], value: window_s }, ...edits];
+}
+
+/// Lists of exports in use that are unfolded, by calibration and place.
+const unfolded = new Set();
+
+/// Folded list of the exports in the conditions at `at` of the calibration `doc`, each with a button that takes it off;
+/// null without conditions. The file stays in the folder. `onRemoved` gets its path.
+export function drawUsed(doc, at, onRemoved) {
+  const conditions = valueAt(doc.values, at) ?? [];
+  const key = `${doc.path} ${at}`;
+  const remove = (i, j, file) => {
+    const isLast = conditions[i].files.length === 1;
+    const place = !isLast ? [...at, i, "files", j] : conditions.length === 1 ? at : [...at, i];
+    onRemoved(join(parent(doc.path), file));
+    edit(doc.path, [{ at: place, value: null }]).catch(() => {});
+  };
+  const items = conditions.flatMap((one, i) => (one.files ?? []).map((file, j) => h("li", {},
+    h("span", { class: "path" }, file), ` (${short(one.force_n)} N, ${short(one.speed_mm_s)} mm/s, ${
+      short(one.humidity_pct)} %) `, button("Remove", () => remove(i, j, file), { "aria-label": `Remove ${file}` }))));
+  const present = state.files.map((file) => relative(parent(doc.path), file.path));
+  const count = conditions.flatMap(({ files = [], exclude = [] }) =>
+    present.filter((file) => isMeant(file, files) && !isMeant(file, exclude))).length;
+  const fold = () => (root.open ? unfolded.add(key) : unfolded.delete(key));
+  const root = h("details", { open: unfolded.has(key), ontoggle: fold },
+    h("summary", {}, `Traces: ${count}; conditions: ${conditions.length}`), h("ul", {}, items));
+  return items.length > 0 ? root : null;
 }
 
 /// Table of `files`, each for one of `targets`: `{label, at, extra, holds}`. `before(doc, picked)` gives edits that

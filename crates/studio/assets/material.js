@@ -1,14 +1,13 @@
 // Material: traces and maps, conditions with their repeats, the calibration's form, and the fit.
 
-import { edit, get, has, hashOf, load, loadFolder, materialName, measuredTable, on, schema, state,
-  upload } from "./api.js";
-import { drawForm, drawSummary } from "./form.js";
-import { drawIntake, newTables } from "./intake.js";
+import { edit, get, has, hashOf, load, loadFolder, materialName, measuredTable, on, schema, state } from "./api.js";
+import { drawForm, drawSummary, labelOf } from "./form.js";
+import { drawIntake, drawUsed, newTables, takeFiles } from "./intake.js";
 import { jobButton, outdated } from "./jobs.js";
 import { timePlot } from "./plot.js";
 import { drawTrace } from "./traceview.js";
 import { alert, ask, button, debounce, dropZone, fileUrl, h, heading, join, link, newId, parent, relative, reportFrame,
-  short, table } from "./ui.js";
+  short, table, valueAt } from "./ui.js";
 import { startMaterial } from "./start.js";
 
 const MAP_FILE = /\.(sur|sdf|x3p|gsf|npy|xyz|asc)$/i;
@@ -71,7 +70,7 @@ function drawConditions(root, doc, answer, onOpen) {
 function placeOf(doc, one) {
   const trial = (doc.values.trial ?? []).findIndex(({ name }) => name === one.trial);
   const at = one.trial === null ? ["traces", "condition"] : ["trial", trial, "traces"];
-  const list = at.reduce((value, key) => value?.[key], doc.values) ?? [];
+  const list = valueAt(doc.values, at) ?? [];
   const isEqual = (other) => ["force_n", "speed_mm_s", "humidity_pct"].every((key) => other[key] === one[key])
     && (one.trial !== null || (other.surface ?? "flat") === one.surface);
   return [...at, list.findIndex(isEqual)];
@@ -148,12 +147,9 @@ export async function show(root, signal) {
   const keys = await schema("calibration");
   let doc = await load(path);
   if (signal.aborted) return;
-  const [problems, refused, fresh, single, conditions, repeats, map, form, report, another] = Array.from({ length: 10 },
-    () => h("div", {}));
-  const take = async (files) => {
-    const results = await upload(files, (name) => (MAP_FILE.test(name) ? folder : join(folder, "traces")));
-    refused.replaceChildren(...results.filter((one) => one.error).map((one) => alert(`${one.path}: ${one.error}`)));
-  };
+  const [problems, refused, fresh, single, used, conditions, repeats, map, form, report, another] = Array.from(
+    { length: 11 }, () => h("div", {}));
+  const folderOf = (name) => (MAP_FILE.test(name) ? folder : join(folder, "traces"));
   const range = () => doc.values?.traces?.window_s ?? [10, 40];
   const setRange = (value) => edit(path, [{ at: ["traces", "window_s"], value }]).catch(() => {});
   const showFile = (place) => (file) => drawTrace(place, file, doc, { range: range(), onRange: setRange, signal })
@@ -168,9 +164,9 @@ export async function show(root, signal) {
   };
 
   root.append(heading(doc.values?.name ?? name), problems,
-    dropZone("Choose files", "Drop traces of the tribometer and altitude maps here, any number.", take), refused, fresh,
-      single,
-    heading("Conditions"), conditions, repeats, heading("Altitude map"), map, heading("Settings"), form,
+    dropZone("Choose files", "Drop traces of the tribometer and altitude maps here, any number.",
+      (files) => takeFiles(files, folderOf, refused, MAP_FILE)), refused, fresh, single,
+    heading("Conditions"), conditions, used, repeats, heading("Altitude map"), map, heading("Settings"), form,
     heading("Fit"), fit, outdated(path, `out/${name}-fit/report.html`, "Fit the material again.", signal), report,
     h("details", { class: "group" }, h("summary", {}, "Another material"), another));
   startMaterial(another);
@@ -203,6 +199,7 @@ export async function show(root, signal) {
     if (signal.aborted || present === drawn) return;
     drawn = present;
     drawNew();
+    used.replaceChildren(...[drawUsed(doc, ["traces", "condition"], () => {})].filter(Boolean));
     drawMap(map, doc, signal);
     try {
       if (doc.values?.measurements?.flat) return await drawTables();

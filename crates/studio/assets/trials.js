@@ -1,14 +1,14 @@
 // Trials: chosen, cut and measured samples, what they taught, and what to cut next.
 
-import { edit, hashOf, load, loadFolder, materialName, on, schema, state, upload, has } from "./api.js";
+import { edit, hashOf, load, loadFolder, materialName, on, schema, state, has } from "./api.js";
 import { decision, textures } from "./design.js";
 import { drawForm, drawSummary } from "./form.js";
-import { drawIntake, newTables } from "./intake.js";
+import { drawIntake, drawUsed, newTables, takeFiles } from "./intake.js";
 import { jobButton, outdated, watchResult } from "./jobs.js";
 import { targetsOf } from "./material.js";
 import { drawTrace } from "./traceview.js";
 import { calibrationOf, materialLine } from "./trial.js";
-import { alert, button, dimensions, dropZone, h, heading, join, link, newId, parent, percent, reportFrame, resolve,
+import { button, dimensions, dropZone, h, heading, join, link, newId, parent, percent, reportFrame, resolve,
   short, stem, table, zipLink } from "./ui.js";
 
 const COLUMNS = [["chosen", "Chosen", "No sample is chosen."], ["cut", "Cut", "No cut sample waits to be measured."],
@@ -48,11 +48,7 @@ export async function show(root, signal) {
   const board = h("div", { class: "three" });
   const forms = new Map();
 
-  const take = async (files) => {
-    const results = await upload(files, () => join(parent(path), "traces"));
-    refused.replaceChildren(...results.filter((one) => one.error).map((one) => alert(`${one.path}: ${one.error}`)));
-    return results.filter((one) => !one.error).map((one) => one.path);
-  };
+  const folder = join(parent(path), "traces");
   const dropped = new Map();
   const drawNew = () => {
     const targets = targetsOf(doc, dropped);
@@ -80,18 +76,18 @@ export async function show(root, signal) {
     const where = columnOf(trial);
     const set = (key, value) => edit(path, [{ at: ["trial", i, key], value }]).catch(() => {});
     const drop = dropZone("Choose files", "Drop the traces of this sample here.", async (files) => {
-      for (const file of await take(files)) dropped.set(file, trial.name);
+      for (const file of await takeFiles(files, () => folder, refused)) dropped.set(file, trial.name);
       drawNew();
     });
     const details = detailsOf(trial.name, i);
     const today = new Date().toISOString().slice(0, 10);
-    const count = trial.traces?.reduce((sum, one) => sum + (one.files?.length ?? 0), 0);
+    const used = drawUsed(doc, ["trial", i, "traces"], (file) => dropped.set(file, trial.name));
     return h("article", { class: "card" }, heading(trial.name ?? `Trial ${i + 1}`, 3),
       h("p", {}, dimensions(trial.pattern ?? {})),
       trial.date && h("p", { class: "quiet" }, trial.date),
       trial.measurements && h("p", {}, link(hashOf("files", { file: join(parent(path), trial.measurements) }),
         trial.measurements)),
-      count > 0 && h("p", {}, `Traces: ${count}; conditions: ${trial.traces.length}`),
+      used,
       where === "chosen" && h("p", { class: "line" }, button("It is cut", () => set("date", today)),
         button("Remove", () => edit(path, [{ at: ["trial", i], value: null }]).catch(() => {}))),
       trial.measurements ? null : drop, details);

@@ -123,6 +123,9 @@ export function nameForm(label, action, value, onSubmit) {
     h("button", { type: "submit", class: "main" }, action));
 }
 
+/// Value at the keys and numbers `at` of a document.
+export const valueAt = (values, at) => at.reduce((value, key) => value?.[key], values);
+
 /// Calls `fn` once, `ms` after the last call.
 export function debounce(fn, ms) {
   let timer;
