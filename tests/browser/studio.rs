@@ -316,6 +316,19 @@ fn works(page: &mut dyn Page, folder: &Path) {
     says(page, "# by another hand");
     fs::write(folder.join("seal.toml"), file("seal.toml").replace("[bounds]", "[bonds]")).unwrap();
     says(page, "bonds");
+    // What another tab put in the place where this one adds a trial is kept, and seen here though the file keeps its time.
+    let pattern = json!({ "width_um": 99, "spacing_um": 990, "depth_um": 9 });
+    let trial = |name: &str| json!([{ "at": ["trial", 1], "value": { "name": name, "pattern": pattern } }]);
+    page.ask(&format!(
+        "import('/assets/api.js').then(async api => {{ const path = 'pom/calibration.toml', {{ digest }} = await api.load(path), \
+         other = new XMLHttpRequest(); other.open('POST', `/api/edit?path=${{path}}`, false); \
+         other.setRequestHeader('Content-Type', 'application/json'); other.send(JSON.stringify({{ digest, edits: {} }})); \
+         api.edit(path, {}).catch(error => {{ window.refused = error.message; }}); }}) && null",
+        trial("theirs"),
+        trial("ours")
+    ));
+    wait(page, "/Nothing was saved/.test(window.refused ?? '')");
+    assert!(file("pom/calibration.toml").contains("theirs") && !file("pom/calibration.toml").contains("ours"));
     // A design with the material's numbers in its own file.
     let own = program().args(["--quiet", "new", "design", "own.toml"]).current_dir(folder).status().unwrap();
     assert!(own.success());

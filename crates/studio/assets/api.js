@@ -1,6 +1,6 @@
 // Requests to the server, the folder, documents with their digests, jobs and server-sent events.
 
-import { join, parent, setFilesAt, stem } from "./ui.js";
+import { join, parent, setFilesAt, stem, valueAt } from "./ui.js";
 
 export const state = { root: "", version: "", files: [], jobs: new Map(), page: "material", calibration: null,
   design: null, file: null };
@@ -62,7 +62,8 @@ export async function save(path, text, digest) {
   return keep(await request("PUT", "/api/text", { path }, JSON.stringify({ text, digest })));
 }
 
-/// Sets values in a TOML file, one request after another. A file that changed elsewhere is read again, once.
+/// Sets values in a TOML file, one request after another. A file that changed elsewhere is read again, once; entries of
+/// lists that are not the same there stay as they are.
 export function edit(path, edits) {
   const send = async () => {
     const doc = documents.get(path) ?? (await load(path));
@@ -72,6 +73,11 @@ export function edit(path, edits) {
     } catch (error) {
       if (error.status !== 409) throw error;
       const fresh = await load(path);
+      // Where entries of a list were added, removed or changed, a number may mean another entry.
+      const isMoved = ({ at }) => at.some((step, i) => typeof step === "number"
+        && [doc, fresh].map(({ values }) => JSON.stringify(valueAt(values, at.slice(0, i + 1))))
+          .some((entry, _, [known]) => entry !== known));
+      if (edits.some(isMoved)) throw new Error(`${path} changed elsewhere. Nothing was saved: look, and try again.`);
       say(`${path} changed elsewhere. Your change was made in the new text.`);
       return write(fresh.digest);
     }

@@ -2,9 +2,10 @@
 
 use std::fs::File;
 use std::path::Path;
+use std::sync::Arc;
 
 use axum::Json;
-use axum::extract::Query;
+use axum::extract::{Query, State};
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
@@ -21,6 +22,7 @@ use slipgrid_io::formats::run::Overrides;
 use slipgrid_io::formats::scene::SceneInput;
 use toml_edit::DocumentMut;
 
+use crate::Shared;
 use crate::error::{Answer, Refused, aside};
 use crate::folder::{At, kind_of_text};
 use crate::places::inside;
@@ -150,8 +152,8 @@ fn computed_from(text: &str) -> Option<toml::Table> {
 }
 
 /// Writes `text` in the place of `before`. A file keeps its time where nothing that is computed changes, so that
-/// results stay newer.
-fn save(at: &str, path: &Path, text: &str, before: Option<&str>) -> Result<Value, Refused> {
+/// results stay newer; open pages are told, because a text of the same length is then not seen as changed.
+fn save(shared: &Shared, at: &str, path: &Path, text: &str, before: Option<&str>) -> Result<Value, Refused> {
     if text.len() as u64 > MAX_BYTES {
         return Err(Refused::bad(format!("the text has more than {} MiB", MAX_BYTES >> 20)));
     }
@@ -160,16 +162,21 @@ fn save(at: &str, path: &Path, text: &str, before: Option<&str>) -> Result<Value
     put(path, text.as_bytes()).map_err(|error| Refused::system(path, &error))?;
     if let Some(time) = time {
         let _ = File::options().write(true).open(path).and_then(|file| file.set_modified(time));
+        shared.jobs.tell("folder", || json!({}));
     }
     Ok(told(at, path, text))
 }
 
 /// Replaces a text that has not changed since it was read.
-pub async fn write(Query(at): Query<At>, Json(written): Json<Written>) -> Answer<Value> {
+pub async fn write(
+    State(shared): State<Arc<Shared>>,
+    Query(at): Query<At>,
+    Json(written): Json<Written>,
+) -> Answer<Value> {
     aside(move || {
         let path = inside(&at.path)?;
         let before = require_unchanged(&path, written.digest.as_deref())?;
-        save(&at.path, &path, &written.text, before.as_deref())
+        save(&shared, &at.path, &path, &written.text, before.as_deref())
     })
     .await
 }
@@ -182,7 +189,7 @@ pub struct Edits {
 }
 
 /// Sets values of a TOML text, and keeps its comments.
-pub async fn edit(Query(at): Query<At>, Json(edits): Json<Edits>) -> Answer<Value> {
+pub async fn edit(State(shared): State<Arc<Shared>>, Query(at): Query<At>, Json(edits): Json<Edits>) -> Answer<Value> {
     aside(move || {
         let path = inside(&at.path)?;
         let text = require_unchanged(&path, Some(&edits.digest))?.unwrap_or_default();
@@ -192,7 +199,7 @@ pub async fn edit(Query(at): Query<At>, Json(edits): Json<Edits>) -> Answer<Valu
         for edit in &edits.edits {
             edit.apply(&mut document)?;
         }
-        save(&at.path, &path, &document.to_string(), Some(&text))
+        save(&shared, &at.path, &path, &document.to_string(), Some(&text))
     })
     .await
 }

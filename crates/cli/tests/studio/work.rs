@@ -81,6 +81,19 @@ fn a_job_is_followed_and_cancelled() {
     // A file that appears is told.
     fs::write(folder.path().join("new.csv"), "a").unwrap();
     assert!(lines.any(|line| line == "event: folder"));
+    // So is an edit of a trial that waits, which changes neither the length nor the time of its file.
+    let edit = |notes: &str| {
+        let digest = server.get("/api/text?path=calibration.toml")["digest"].clone();
+        let pattern = json!({ "width_um": 9, "spacing_um": 90, "depth_um": 9 });
+        let trial = json!({ "name": "cut-1", "pattern": pattern, "notes": notes });
+        let edits = json!({ "digest": digest, "edits": [{ "at": ["trial", 0], "value": trial }] });
+        server.send("POST", "/api/edit?path=calibration.toml", &edits);
+    };
+    edit("left");
+    // One event of the edit, one of the longer file.
+    (0..2).for_each(|_| assert!(lines.any(|line| line == "event: folder")));
+    edit("back");
+    assert!(lines.any(|line| line == "event: folder"));
 }
 
 #[test]
