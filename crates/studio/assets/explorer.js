@@ -1,6 +1,6 @@
 // Explorer: three sliders for a texture, and the chance and friction that are expected of it.
 
-import { cancel, explore, get, newestJob, on } from "./api.js";
+import { cancel, ended, explore, get, isEnded, newestJob, on } from "./api.js";
 import { firstError } from "./jobs.js";
 import { alert, button, debounce, h, heading, newId, percent, short } from "./ui.js";
 
@@ -89,7 +89,10 @@ export function drawExplorer(root, path, signal, onPrediction) {
     isExploring = true;
     forget();
     note.replaceChildren(h("p", { class: "quiet" }, "Computing the table of textures. This takes some seconds."));
-    const job = await explore(path).catch((error) => ({ state: "failed", err: error.message }));
+    // A computation that this page left goes on; if its answer is outdated, the next question says so.
+    const running = newestJob("explore", path);
+    const found = running && !isEnded(running) && !running.is_cancelled ? ended(running.id) : explore(path);
+    const job = await found.catch((error) => ({ state: "failed", err: error.message }));
     isExploring = false;
     if (isOutdated) { isOutdated = false; return compute(); }
     if (signal.aborted || job.state === "cancelled") return note.replaceChildren();

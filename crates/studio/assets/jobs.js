@@ -5,7 +5,8 @@ import { alert, button, fileUrl, h } from "./ui.js";
 
 function progress(job) {
   const bar = h("progress", { max: 1, value: job.share || 0, "aria-label": "Share done" });
-  const words = job.state === "queued" ? "waiting" : `${job.stage || "starting"}, ${Math.round(100 * job.share)} %`;
+  const words = job.is_cancelled ? "stopping" : job.state === "queued" ? "waiting"
+    : `${job.stage || "starting"}, ${Math.round(100 * job.share)} %`;
   return [bar, h("span", { class: "stage" }, words), button("Cancel", () => cancel(job.id))];
 }
 

@@ -134,6 +134,7 @@ impl Jobs {
         }
         all.push(Arc::clone(&job));
         let ended = || Refused(StatusCode::SERVICE_UNAVAILABLE, "no jobs are run any more".to_owned());
+        job.tell();
         self.queue.send(Arc::clone(&job)).map_err(|_| ended())?;
         Ok(job)
     }
@@ -218,6 +219,7 @@ impl Job {
             "command": self.words,
             "line": format!("slipgrid {}", self.words.iter().map(|word| quoted_word(word)).collect::<Vec<_>>().join(" ")),
             "state": progress.state,
+            "is_cancelled": self.cancelled(),
             "stage": progress.stage,
             "share": f64::from_bits(self.share.load(Ordering::Relaxed)).clamp(0.0, 1.0),
             "exit_code": progress.exit_code,

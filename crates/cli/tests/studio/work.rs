@@ -68,13 +68,15 @@ fn a_job_is_followed_and_cancelled() {
     assert!(lines.any(|line| line == "event: hello"));
     let words = json!({ "command": ["optimize", "design.toml"] });
     let id = server.send("POST", "/api/jobs", &words)["id"].clone();
-    // The first stage that has begun is told.
+    // A job that waits is told, so that it can be cancelled, and then the first stage that has begun.
+    assert!(lines.any(|line| line.starts_with("data: ") && line.contains("\"queued\"")));
     let is_running = |line: &String| line.starts_with("data: ") && line.contains("\"running\"");
     assert!(lines.any(|line| is_running(&line)));
     server.send("POST", &format!("/api/jobs/{id}/cancel"), &json!({}));
     let job = server.ended(&id);
     assert_eq!(job["state"], "cancelled", "{job}");
     assert!(!folder.path().join("out/design/result.json").exists());
+    assert!(lines.any(|line| line.contains("\"is_cancelled\":true")));
     assert!(lines.any(|line| line.contains("\"cancelled\"")));
     // The next job is not cancelled with it.
     assert_eq!(server.job(&["new", "design", "other.toml"])["state"], "done");
