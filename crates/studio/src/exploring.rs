@@ -87,13 +87,17 @@ pub struct Made {
 }
 
 /// Answers with the input files that are newer than a result, which is as old as the beginning of its run.
-pub async fn changed(Query(made): Query<Made>) -> Answer<Value> {
+pub async fn changed(State(shared): State<Arc<Shared>>, Query(made): Query<Made>) -> Answer<Value> {
     aside(move || {
         let (path, result) = (inside(&made.path)?, inside(&made.result)?);
         let began = std::fs::metadata(&result).and_then(|metadata| metadata.modified());
         let began = began.map_err(|error| Refused::system(&result, &error))?;
-        let changed = inputs(path).into_iter().filter(|(_, stamp)| stamp.is_none_or(|(_, time)| time > began));
-        Ok(json!({ "changed": changed.map(|(path, _)| with_slashes(&path)).collect::<Vec<_>>() }))
+        let inputs = inputs(path).into_iter().map(|(path, stamp)| (with_slashes(&path), stamp));
+        let came = locked(&shared.came);
+        let is_newer = |(path, stamp): &(String, Option<(u64, SystemTime)>)| {
+            stamp.is_none_or(|(_, time)| time > began || came.get(path).is_some_and(|came| *came > began))
+        };
+        Ok(json!({ "changed": inputs.filter(is_newer).map(|(path, _)| path).collect::<Vec<_>>() }))
     })
     .await
 }

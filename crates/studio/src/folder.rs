@@ -1,5 +1,6 @@
 //! Files of the folder that the studio works in: list, kinds, upload, download, and changes.
 
+use std::collections::HashMap;
 use std::fs;
 use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -19,6 +20,7 @@ use slipgrid_io::formats::file_kind::FileKind;
 
 use crate::Shared;
 use crate::error::{Answer, Refused, aside};
+use crate::jobs::locked;
 use crate::places::{inside, with_slashes};
 
 /// Maximum number of bytes of an uploaded file: a map of 4096 x 4096 points as text has 200 MB.
@@ -207,9 +209,10 @@ fn archive(folder: &Path) -> Result<Vec<u8>, Refused> {
     Ok(zip.finish().map_err(|error| failed(error.to_string()))?.into_inner())
 }
 
-/// Sends the event `folder` to open pages whenever files of the folder change; does not return.
+/// Sends the event `folder` to open pages whenever files of the folder change, and notes when files with an old time
+/// came; does not return.
 pub async fn watch(shared: Arc<Shared>) {
-    let mut known = None;
+    let mut known: Option<Vec<Listed>> = None;
     loop {
         tokio::time::sleep(WATCH_INTERVAL).await;
         // A folder that nobody looks at is not read.
@@ -217,8 +220,16 @@ pub async fn watch(shared: Arc<Shared>) {
             continue;
         }
         let Ok(now) = tokio::task::spawn_blocking(|| files_below(Path::new(""))).await else { continue };
-        if known.replace(now) != known && known.is_some() {
+        if let Some(before) = known.as_ref().filter(|before| **before != now) {
+            let times: HashMap<&str, u64> = before.iter().map(|file| (&file.path[..], file.modified_ms)).collect();
+            let here = SystemTime::now();
+            let is_old = |file: &&Listed| {
+                times.get(&file.path[..]) != Some(&file.modified_ms)
+                    && file.modified_ms < milliseconds(here - 2 * WATCH_INTERVAL)
+            };
+            locked(&shared.came).extend(now.iter().filter(is_old).map(|file| (file.path.clone(), here)));
             shared.jobs.tell("folder", || json!({}));
         }
+        known = Some(now);
     }
 }

@@ -26,11 +26,12 @@ mod jobs;
 mod places;
 mod texts;
 
+use std::collections::HashMap;
 use std::io::Write;
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::Path;
-use std::sync::Arc;
-use std::time::Duration;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, SystemTime};
 
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
@@ -83,6 +84,8 @@ struct Shared {
     jobs: Jobs,
     explored: exploring::Known,
     files_at: String,
+    /// When files were noticed that came with an older time, as copies do, by path.
+    came: Mutex<HashMap<String, SystemTime>>,
 }
 
 /// Serves the page for the current folder at a free port of this computer, until `stop` returns true. `ready` gets the
@@ -96,8 +99,8 @@ pub fn serve(program: Program, ready: impl FnOnce(&str), stop: impl Fn() -> bool
     listener.set_nonblocking(true)?;
     let guard = Guard::new(listener.local_addr()?.port())?;
     let address = guard.address();
-    let shared = Shared { explored: exploring::Known::default(), files_at: guard.files_at(), jobs: Jobs::new() };
-    let shared = Arc::new(shared);
+    let (explored, came) = (exploring::Known::default(), Mutex::default());
+    let shared = Arc::new(Shared { jobs: Jobs::new(), explored, files_at: guard.files_at(), came });
     let computing = rayon::ThreadPoolBuilder::new().num_threads(program.threads).build()?;
     let own = Arc::clone(&shared);
     // Computing ends with the process: a job notices its cancelling between two steps.

@@ -142,6 +142,24 @@ fn a_result_is_outdated_by_every_input() {
         assert_eq!(changed(), json!([name]));
         assert_eq!(changed_of("m/calibration.toml"), json!(if name == "a.toml" { vec![] } else { vec![name] }));
     }
+    // So does an older file that takes the place of one, as copies keep their time; a page is open.
+    run();
+    let head = format!("Host: 127.0.0.1:{}\r\nCookie: {}\r\n\r\n", server.port, server.cookie());
+    let mut page = TcpStream::connect(("127.0.0.1", server.port)).unwrap();
+    page.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    page.write_all(format!("GET /api/events HTTP/1.1\r\n{head}").as_bytes()).unwrap();
+    let mut lines = BufReader::new(page).lines().map(Result::unwrap);
+    let mut until = |text: &str| assert!(lines.any(|line| line == text), "{text}");
+    until("event: hello");
+    let old = std::time::SystemTime::now() - Duration::from_secs(3600);
+    let copy = |name: &str, text: &[u8]| {
+        fs::write(folder.path().join(name), text).unwrap();
+        fs::File::options().write(true).open(folder.path().join(name)).unwrap().set_modified(old).unwrap();
+    };
+    std::thread::sleep(Duration::from_millis(1500));
+    copy("m/flat.csv", &read("m/flat.csv"));
+    until("event: folder");
+    assert_eq!(changed(), json!(["m/flat.csv"]));
     // A trial changes nothing before it is measured.
     run();
     let edit = |at: Value, value: Value| {
