@@ -234,6 +234,14 @@ fn works(page: &mut dyn Page, folder: &Path) {
     }
     enter(page, "Humidity", "4,5");
     says(page, "One number or two? Write 4.5 or 4; 5.");
+    // What was not saved stays where the form is drawn anew.
+    press(page, "Further conditions");
+    press(page, "Add to Further conditions");
+    wait(page, "document.querySelector('[data-key=\"also_at.0.speed_mm_s\"]') !== null");
+    assert_eq!(page.ask("document.querySelector('[data-key=\"condition.humidity_pct\"]').value"), "4,5");
+    says(page, "One number or two? Write 4.5 or 4; 5.");
+    page.ask("import('/assets/api.js').then(api => api.edit('seal.toml', [{ at: ['also_at'], value: null }])) && null");
+    until(|| !file("seal.toml").contains("[[also_at]]"));
     wait(page, "/%|No answer/.test(document.querySelector('.chance')?.textContent ?? '')");
     let took = page.ask(
         "(async () => { const slider = document.querySelector('input[type=range]'), took = []; for (let k = 0; k < 40; k++) { \

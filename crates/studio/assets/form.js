@@ -145,7 +145,7 @@ export function drawForm(root, doc, schema, groups, signal) {
     if (input.tagName === "FIELDSET") input.setAttribute("aria-labelledby", name.id);
     if (isRequired) name.append(h("span", { class: "quiet" }, " (required)"));
     const entry = h("div", { class: "entry" }, input, unit && h("span", { class: "unit" }, unit), list);
-    const own = { at, input, set, show, isRefused: false };
+    const own = { at, input, set, show, message, isRefused: false };
     fields.push(own);
     return h("div", { class: "field" }, name, entry, h("p", { class: "help", id: `${id}-help` }, help(part)), message);
   };
@@ -209,13 +209,23 @@ export function drawForm(root, doc, schema, groups, signal) {
 
   const draw = () => {
     const open = new Set([...root.querySelectorAll("details[open]")].map((el) => el.dataset.title));
-    const focused = fields.find((one) => one.input === document.activeElement)?.at.join(".");
+    const focused = fields.find((one) => one.input === document.activeElement);
+    // What is being typed, or was not saved, stays; in a list its place may be that of another entry now.
+    const unsaved = fields.filter((one) => (one === focused || one.isRefused) && !one.at.some(Number.isInteger));
     const isFirst = outline === null;
     fields = [];
     root.replaceChildren(...groups.map(group).filter(Boolean));
     if (!isFirst) root.querySelectorAll("details[data-title]")
       .forEach((el) => { el.open = open.has(el.dataset.title); });
-    fields.find((one) => one.at.join(".") === focused)?.input.focus();
+    const anew = ({ at }) => fields.find((one) => one.at.join() === at.join());
+    for (const old of unsaved) {
+      const field = anew(old);
+      if (!field) continue;
+      if (old.input.type === "text") field.input.value = old.input.value;
+      field.isRefused = old.isRefused;
+      field.show(old.message.textContent);
+    }
+    if (focused) anew(focused)?.input.focus();
   };
 
   const update = (next) => {
