@@ -105,7 +105,7 @@ function drawMap(root, doc, signal) {
       "No altitude map in the folder. Drop one above: .sur, .sdf, .x3p, .gsf, .npy, .xyz or .asc."));
   }
   const cards = maps.map(({ path }) => {
-    const out = `out/${path.split("/").pop().replace(/\W+/g, "-")}-map`;
+    const out = `out/${path.replace(/[^\p{L}\p{N}]+/gu, "-")}-map`;
     const isUsed = surface.map === relative(folder, path);
     const flags = MAP_OPTIONS.filter((key) => ![undefined, false].includes(surface[key])).flatMap((key) => {
       const flag = `--${key.replaceAll("_", "-")}`;
@@ -187,9 +187,10 @@ export async function show(root, signal) {
   };
   const drawTables = async () => {
     const measured = await measuredTable(doc);
+    const titles = measured.titles.map(labelOf).map(({ label, unit }) => (unit ? `${label} in ${unit}` : label));
     const source = h("p", {}, "Read from ", link(hashOf("files", { file: join(folder, doc.values.measurements.flat) }),
       doc.values.measurements.flat), ". Traces can take the place of the table: drop them above.");
-    conditions.replaceChildren(source, table("Friction of flat samples", measured.titles, measured.rows));
+    conditions.replaceChildren(source, table("Friction of flat samples", titles, measured.rows));
   };
   let drawn = null;
   const refresh = debounce(async () => {
