@@ -1,10 +1,12 @@
 //! Errors of the results of a solved scene.
 
-use crate::results::errors::{DRAWS, ErrorReport, NO_SLOPES, PartsReport, PressureErrors, STATIC, TIME_AVERAGE};
+use crate::results::errors::{
+    DRAWS, ErrorReport, NO_SLOPES, PHASES, PartsReport, PressureErrors, STATIC, TIME_AVERAGE,
+};
 use crate::results::{CorrectedAt, CorrectedReport, ErrorsReport};
 use slipgrid_base::units::{PRESSURE_MPA, tidy};
 use slipgrid_infer::calibrate::uncertainty::{
-    Deviation, Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, local_law_changes,
+    Deviation, Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, local_law_changes, phase_scatter,
     sampling_scatter,
 };
 use slipgrid_infer::discrepancy::{Features, Sensitivity};
@@ -60,7 +62,7 @@ impl Solved<'_> {
             let std = move |correction: &Correction| Some(correction.std? * factor * times?);
             load.corrections().iter().filter_map(move |of| PartsReport::known(of.effect.name(), std(of)))
         };
-        let mut own_mu = self.of_run(mu, surface.mu_dynamic_stderr.map(|stderr| stderr * factor), drawn.mu);
+        let mut own_mu = self.of_run(place, mu, surface.mu_dynamic_stderr.map(|stderr| stderr * factor), drawn.mu);
         own_mu.extend(of_specimen(flat_mu));
         let material_mu = material.as_ref().map(|material| &material.mu);
         let flat = load.flat.as_ref();
@@ -70,13 +72,13 @@ impl Solved<'_> {
                 let ratio = load.ratio().map(|ratio| ratio * factor);
                 // A ratio corrected by steady sliding with equal draws has no error from the draws.
                 let of_draws = drawn.ratio.filter(|_| load.correction(Effect::Time).is_none());
-                let mut own = self.of_run(ratio, load.ratio_stderr.map(|stderr| stderr * factor), of_draws);
+                let mut own = self.of_run(place, ratio, load.ratio_stderr.map(|stderr| stderr * factor), of_draws);
                 own.extend(of_specimen(Some(1.0)));
                 ErrorReport::new(ratio, own, material.as_ref().map(|material| &material.ratio))
             }),
             mu: ErrorReport::new(mu, own_mu, material_mu),
             mu_flat: flat.map(|flat| {
-                let own = self.of_run(flat.mu_dynamic, flat.mu_dynamic_stderr, drawn.flat);
+                let own = self.of_run(place, flat.mu_dynamic, flat.mu_dynamic_stderr, drawn.flat);
                 // Flat friction is known equally well if the patterned surface has no ratio.
                 let of = flat.mu_dynamic.map(|mu| Deviation::of_flat(place, mu, self.knowledge));
                 ErrorReport::new(flat.mu_dynamic, own, of.as_ref())
@@ -98,16 +100,19 @@ impl Solved<'_> {
         }
     }
 
-    /// Errors of `value` by the finite duration of the run and by the drawn local coefficients; `stderr` is the
-    /// standard error of `value` in the run, `drawn` the relative scatter by one draw.
-    fn of_run(&self, value: Option<f64>, stderr: Option<f64>, drawn: Option<f64>) -> Vec<PartsReport> {
+    /// Errors of `value` at load number `place` by the finite duration of the run, by the phases of stick-slip and by the
+    /// drawn local coefficients; `stderr` is the standard error of `value` in the run, `drawn` the relative scatter by
+    /// one draw.
+    fn of_run(&self, place: usize, value: Option<f64>, stderr: Option<f64>, drawn: Option<f64>) -> Vec<PartsReport> {
         let draws = self.scene.run.draws as f64;
-        let drawn = value.zip(drawn).map(|(value, share)| value * share / draws.sqrt());
+        let of_share = |share: Option<f64>| value.zip(share).map(|(value, share)| value * share / draws.sqrt());
+        let phases = || phase_scatter(&self.scene.loads[place].friction, self.scene.dimension());
+        let (drawn, phases) = (of_share(drawn), of_share(stderr.map(|_| phases())));
         // The standard error of several draws contains their scatter, which few draws estimate poorly. The scatter is
         // therefore taken from the drawn coefficients, and only the excess is attributed to time.
-        let counted = drawn.filter(|_| draws > 1.0).unwrap_or(0.0);
+        let counted = if draws > 1.0 { drawn.unwrap_or(0.0).hypot(phases.unwrap_or(0.0)) } else { 0.0 };
         let of_time = stderr.map(|stderr| (stderr * stderr - counted * counted).max(0.0).sqrt());
-        [(TIME_AVERAGE, of_time), (DRAWS, drawn)]
+        [(TIME_AVERAGE, of_time), (PHASES, phases), (DRAWS, drawn)]
             .into_iter()
             .filter_map(|(input, std)| PartsReport::known(input, std))
             .collect()
@@ -207,9 +212,43 @@ pub fn of_scene(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_base::statistics::mean_and_std;
     use slipgrid_model::material::{AreaLaw, Elastic, LocalFriction};
     use slipgrid_model::pattern::{Pattern, Planform, Rim, RimProfile};
     use slipgrid_model::springblock::{Layer, RunOptions, Unwatched, simulate};
+
+    /// Tests long runs in the plane and in space. Blocks with equal coefficients keep their phases; those whose coefficients
+    /// scatter keep their thresholds, the effect of which on steady sliding is taken out of ratios in space.
+    #[test]
+    fn seeds_differ_by_what_is_stated_of_a_long_run() {
+        let cases = [(Planform::Groove, 60e-6, 2.6e6, 0.0), (Planform::Square, 40e-6, 0.65e6, 0.03)];
+        for (planform, side_m, pressure_pa, relative_std) in cases {
+            let pattern = Pattern::new(planform, side_m, side_m, 20e-6).unwrap();
+            let mut scene = scene(pattern, LocalFriction::new(0.3, 0.27, relative_std).unwrap());
+            scene.layer = Layer { height_m: side_m, ..scene.layer };
+            scene.loads[0].pressure_pa = pressure_pa;
+            scene.run = RunOptions { draws: 1, sliding_m: 0.5e-6, mu_stderr: None, ..scene.run };
+            let of = |seed| {
+                let run = RunOptions { seed, ..scene.run };
+                let errors = errors(&Scene { run, ..scene.clone() }).0;
+                let [ratio, flat] = [errors.ratio.unwrap(), errors.mu_flat.unwrap()];
+                // The blocks of a cell are the same in all runs.
+                let std = |of: &ErrorReport| {
+                    let of_run = of.parts.iter().filter(|part| part.input != Effect::Blocks.name());
+                    of_run.map(|part| part.std.powi(2)).sum::<f64>().sqrt()
+                };
+                [(ratio.value.unwrap(), std(&ratio)), (flat.value.unwrap(), std(&flat))]
+            };
+            let found: Vec<_> = (1..=8).map(of).collect();
+            for quantity in [0, 1] {
+                let values: Vec<(f64, f64)> = found.iter().map(|of| of[quantity]).collect();
+                let scatter = mean_and_std(values.iter().map(|(value, _)| *value)).unwrap().1.unwrap();
+                let stated = (values.iter().map(|(_, std)| std * std).sum::<f64>() / 8.0).sqrt();
+                // The scatter of 8 values is known to 27 %.
+                assert!((0.3..1.6).contains(&(scatter / stated)), "{planform} {quantity}: {scatter} {stated}");
+            }
+        }
+    }
 
     /// Tests cells in space with two draws, which estimate their own scatter poorly: with rims the drawn coefficients
     /// cause the scatter, and without rims the ratio is corrected for them.
@@ -229,29 +268,39 @@ mod tests {
         }
     }
 
-    /// Returns the scatter of ratios of sixteen pairs of draws, and the stated error of each.
-    fn scattered(has_rims: bool) -> (f64, Vec<f64>) {
-        let friction = LocalFriction::new(0.3, 0.27, 0.1).unwrap();
-        let squares = Pattern::new(Planform::Square, 60e-6, 60e-6, 20e-6).unwrap();
-        let rim = Rim::new(0.05e-6, 20e-6, RimProfile::Flat).unwrap();
-        let mut scene = Scene {
+    fn scene(pattern: Pattern, friction: LocalFriction) -> Scene {
+        Scene {
             elastic: Elastic::new(0.38e9, 900.0).unwrap(),
             area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.4]).unwrap()),
-            pattern: Some(if has_rims { squares.with_rim(rim) } else { squares }),
+            pattern: Some(pattern),
             relief: None,
             layer: Layer { length_m: 1e-3, height_m: 60e-6, block_m: 10e-6, thickness_m: None, holder: None },
             loads: vec![Load { pressure_pa: 2.6e6, friction }],
             speed_m_s: 2e-3,
             run: RunOptions { draws: 2, sliding_m: 0.1e-6, ..RunOptions::default().from_sliding() },
-        };
+        }
+    }
+
+    /// Errors at the only load of `scene`, whose material is exact, and its simulation.
+    fn errors(scene: &Scene) -> (PressureErrors, Simulation) {
+        let simulation = simulate(scene, &Unwatched).unwrap();
+        let (errors, _) = of_scene(scene, &MaterialUncertainty::default(), None, &simulation).unwrap();
+        (errors.by_pressure[0].clone(), simulation)
+    }
+
+    /// Returns the scatter of ratios of sixteen pairs of draws, and the stated error of each.
+    fn scattered(has_rims: bool) -> (f64, Vec<f64>) {
+        let friction = LocalFriction::new(0.3, 0.27, 0.1).unwrap();
+        let squares = Pattern::new(Planform::Square, 60e-6, 60e-6, 20e-6).unwrap();
+        let rim = Rim::new(0.05e-6, 20e-6, RimProfile::Flat).unwrap();
+        let mut scene = scene(if has_rims { squares.with_rim(rim) } else { squares }, friction);
         let found: Vec<[f64; 2]> = (0..16)
             .map(|seed| {
                 scene.run.seed = 1 + 2 * seed;
-                let simulation = simulate(&scene, &Unwatched).unwrap();
-                let (errors, _) = of_scene(&scene, &MaterialUncertainty::default(), None, &simulation).unwrap();
-                let parts = &errors.by_pressure[0].ratio.as_ref().unwrap().parts;
+                let (errors, simulation) = errors(&scene);
+                let parts = &errors.ratio.as_ref().unwrap().parts;
                 assert_eq!(parts.iter().any(|part| part.input == DRAWS), has_rims);
-                let of_run = parts.iter().filter(|part| [TIME_AVERAGE, DRAWS].contains(&part.input.as_str()));
+                let of_run = parts.iter().filter(|part| [TIME_AVERAGE, PHASES, DRAWS].contains(&part.input.as_str()));
                 let stated = of_run.map(|part| part.std.powi(2)).sum::<f64>().sqrt();
                 [simulation.loads[0].ratio().unwrap(), stated]
             })

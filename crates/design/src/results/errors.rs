@@ -11,6 +11,9 @@ use slipgrid_infer::calibrate::uncertainty::Deviation;
 pub const TIME_AVERAGE: &str = "time average";
 /// Name of a source of error of a run: the random draw of the local coefficients.
 pub const DRAWS: &str = "local coefficients drawn";
+/// Name of a source of error of a run: which blocks stick together, as neither the run's duration nor the coefficients
+/// tell.
+pub const PHASES: &str = "phases of stick-slip";
 /// Name of a source of error of a static peak: the static coefficient of the material. The relative error of the peak
 /// is at most that of the coefficient.
 pub const STATIC: &str = "static coefficient";
