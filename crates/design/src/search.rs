@@ -17,7 +17,7 @@ use slipgrid_base::monitor::{Monitor, Part as Share, cached};
 use slipgrid_base::units::PRESSURE_MPA;
 use slipgrid_infer::discrepancy::{Features, Measured, Predictor, Sensitivity, Trial};
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, TILT_RELATIVE_ERROR};
+use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, tilt_relative_error};
 
 use self::progress::Progress;
 use crate::as_cut::{BeyondCells, CutTexture, Known};
@@ -32,6 +32,9 @@ use crate::steps::{Place, Steps, climb};
 use crate::table::Table;
 use crate::task::DesignTask;
 
+/// Effects whose errors a run of the specimen adds to those of its cell, which has that of the size of blocks. The error of
+/// averaging over time is [`crate::inputs`]' own.
+const OF_RUN: [Effect; 5] = [Effect::Layout, Effect::Rims, Effect::Time, Effect::Behind, Effect::Tilt];
 /// Total weight of the likeliest members of the predictor's mixture that preselect textures; the whole mixture ranks
 /// these textures. After one trial, such members are a sixth of all.
 pub const SHARE_OF_RANKING: f64 = 0.8;
@@ -263,7 +266,7 @@ impl Search<'_> {
             let run = run_in_time(&scene, face, &Share::new(self.stage, 0.0)).ok();
             if let Some((by_run, run)) = run.and_then(|run| Some((self.beyond.by_run(&cell.ratio, &run)?, run))) {
                 let mut parts = cell.parts.clone();
-                parts.extend(self.of_tilt(&run));
+                parts.extend(OF_RUN.iter().filter_map(|effect| self.of_effect(*effect, &log_stds(*effect, &run))));
                 // The outer lands of a specimen carry a higher pressure than an infinite pattern, and stick-slip adds to it.
                 let of_run_mpa = PRESSURE_MPA.from_si(run.peak_pressure_pa());
                 let raised = |cell: &Answer| Answer {
@@ -281,24 +284,30 @@ impl Search<'_> {
             || self.beyond.by_face(&pattern, &cell.ratio, false, self.stage),
             || self.beyond.by_time(&pattern, &cell.ratio, self.stage),
         );
-        self.predicted(CutTexture { known: Known::AsCut, ..cell.moved(&by_face).moved(&by_time) })
+        let mut parts = cell.parts.clone();
+        let texture = cell.moved(&by_face).moved(&by_time);
+        if self.models.own.dimension().takes_strips() {
+            return self.predicted(CutTexture { known: Known::AsCut, ..texture });
+        }
+        // In space the face adds the tilt alone.
+        let relative = tilt_relative_error(self.task.layer.holder);
+        parts.extend(self.of_effect(Effect::Tilt, &by_face.iter().map(|by| relative * by).collect::<Vec<f64>>()));
+        self.predicted(CutTexture { known: Known::AsCut, ..texture.with_parts(parts) })
     }
 
-    /// Uncertainty from the tilt of the specimen by friction, as `run` corrects it: one common error at all loads and
-    /// conditions. `None` without a tilt.
-    fn of_tilt(&self, run: &Simulation) -> Option<Part> {
-        // If the tilt exceeds its mean, a ratio changes in the direction of its correction.
-        let std = |tilt: &Correction| tilt.std.unwrap_or(0.0).copysign(tilt.change);
-        let of = |load: &LoadOutcome| load.correction(Effect::Tilt).map_or(0.0, std) / load.ratio().unwrap_or(1.0);
-        let log: Vec<f64> = run.loads.iter().map(of).collect();
+    /// Uncertainty from `effect`, an error common to all loads and conditions: `log` has its standard deviation of ln R at
+    /// each load, with the sign of the effect there. `None` without an error.
+    fn of_effect(&self, effect: Effect, log: &[f64]) -> Option<Part> {
         let (n, count) = (self.asked.loads.len(), log.len());
         let most = log.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
         let covariance = (0..n * n).map(|e| log[e / n % count] * log[e % n % count]).collect();
+        let holder = self.task.layer.holder;
         (most > 0.0).then(|| Part {
-            name: "tilt of the specimen",
-            known_to: match self.task.layer.holder {
-                None => "as nobody says how it is held".to_owned(),
-                Some(_) => percent(TILT_RELATIVE_ERROR),
+            name: effect.name(),
+            known_to: match effect {
+                Effect::Tilt if holder.is_none() => "as nobody says how it is held".to_owned(),
+                Effect::Tilt => percent(tilt_relative_error(holder)),
+                _ => format!("known to {:.1} % of the ratio", 100.0 * most),
             },
             effect: InputEffect::Shared(covariance),
         })
@@ -482,6 +491,14 @@ impl Search<'_> {
         let rest: Vec<&Prediction> = solved.iter().filter(is_left).take(lacking).collect();
         chosen.into_iter().chain(rest).take(most).cloned().collect()
     }
+}
+
+/// Standard deviations of ln R by `effect`, as `run` corrects it, with the sign of the correction: if the effect exceeds
+/// its mean, a ratio changes in this direction.
+fn log_stds(effect: Effect, run: &Simulation) -> Vec<f64> {
+    let std = |own: &Correction| own.std.unwrap_or(0.0).copysign(own.change);
+    let of = |load: &LoadOutcome| load.correction(effect).map_or(0.0, std) / load.ratio().unwrap_or(1.0);
+    run.loads.iter().map(of).collect()
 }
 
 /// Sorts by decreasing value, and by decreasing chance where textures break limits equally.

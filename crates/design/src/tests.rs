@@ -11,7 +11,7 @@ use slipgrid_laser::export::{Laser, Outline, Specimen};
 use slipgrid_laser::specimen::simulate_on;
 use slipgrid_model::material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_model::pattern::{ManufacturingLimits, Pattern, Planform};
-use slipgrid_model::springblock::{Effect, Extent, Layer, LoadOutcome, RunOptions, Scene, even_speed_m_s};
+use slipgrid_model::springblock::{Correction, Effect, Extent, Layer, LoadOutcome, RunOptions, Scene, even_speed_m_s};
 use std::sync::atomic::AtomicBool;
 use std::sync::{LazyLock, Mutex};
 
@@ -164,6 +164,13 @@ fn optimize_and_next_find_one_texture_with_one_chance() {
         // The confirming run gives the values of the model alone.
         for (confirmed, modelled) in found.report.confirmed.iter().zip(&found.report.sample.modelled) {
             assert!((confirmed.ratio.unwrap() - modelled.ratio).abs() < 1e-9, "{confirmed:?} {modelled:?}");
+            // The error is that of each correction; the cells have their own of the size of blocks.
+            let known = |of: &&Correction| of.effect != Effect::Blocks && of.std.is_some_and(|std| std > 0.0);
+            let of_run: Vec<&Correction> = confirmed.corrections.iter().filter(known).collect();
+            let square: f64 = of_run.iter().map(|of| of.std.unwrap().powi(2)).sum();
+            assert!(!of_run.is_empty() && square.sqrt() < modelled.std, "{of_run:?} {modelled:?}");
+            let limits = &found.report.sample.limited_by;
+            assert!(of_run.iter().all(|of| limits.iter().any(|limit| limit.input == of.effect.name())), "{limits:?}");
         }
     }
 }

@@ -42,7 +42,7 @@ use thick_layer::ThickLayerCorrection;
 pub use blocks::{BlockRefinement, block_refinement, can_refine};
 pub use expense::{Expense, bounded, cell_expense, expense};
 use pressure_tilt::PressureTilt;
-pub use pressure_tilt::{RELATIVE_ERROR as TILT_RELATIVE_ERROR, add_tilt, tilt_shifts};
+pub use pressure_tilt::{add_tilt, tilt_relative_error, tilt_shifts};
 
 /// Maximum number of columns of a flat surface in a dynamic `cell`: without a pattern there is no period, and this many
 /// blocks average out the scatter of the coefficients.

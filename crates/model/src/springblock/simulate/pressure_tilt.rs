@@ -36,7 +36,7 @@ use crate::springblock::{
 
 /// Relative standard error of the computed change of the ratio, for specimens some tens of periods long
 /// (`it_changes_ratios_as_all_blocks_of_a_specimen_say`).
-pub const RELATIVE_ERROR: f64 = 0.3;
+const RELATIVE_ERROR: f64 = 0.3;
 /// Number of equal parts along a strip, each with one pressure.
 const PARTS: usize = 16;
 /// Change of pressure, relative to the nominal pressure, below which no statement is made.
@@ -177,6 +177,14 @@ impl PressureTilt {
         (self.max_change >= MIN_STATED_CHANGE).then(|| {
             format!("on a specimen that cannot turn in its holder friction {what}; this moves the ratio by {change:+.4} at most; {}", self.included.words)
         })
+    }
+}
+
+/// Relative standard error of the change of ratios by the tilt of the pressure, for a specimen in `holder`.
+pub const fn tilt_relative_error(holder: Option<Holder>) -> f64 {
+    match Included::new(holder) {
+        Some(included) => included.std / included.mean,
+        None => 0.0,
     }
 }
 
