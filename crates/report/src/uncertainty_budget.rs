@@ -17,15 +17,17 @@ pub const FILE: &str = "uncertainty.csv";
 /// Inputs of type A, which are evaluated by statistics of observations or of runs; all others are of type B.
 const TYPE_A: [&str; 6] =
     [TIME_AVERAGE, DRAWS, STATIC, Source::FlatFriction.name(), Source::FittedScale.name(), Source::AreaLaw.name()];
-/// Name of the input that stands for the part of the combined uncertainty that no other input explains.
+/// Name of the input that stands for the part of the combined variance that the other inputs do not explain: correlations
+/// between them, as of the local law and the model error that the same trials teach, and mixtures that are not normal.
+/// Its uncertainty is the root of this part, negative where the others exceed the combined variance.
 const NOT_ATTRIBUTED: &str = "not attributed";
 /// Minimum share of the combined variance for which [`NOT_ATTRIBUTED`] is listed; smaller shares are rounding errors.
 const MIN_NOT_ATTRIBUTED: f64 = 1e-6;
 /// Explanation of the budget tables on a page.
 pub(crate) const WORDS: &str = "Type A: by statistics of observations or of runs; type B: by other means. The standard uncertainty of an input is its effect \
      on the ratio. The sensitivity is 1 for a ratio, and flat friction for a coefficient. Degrees of freedom: ∞ for type B (GUM, G.4.3); a dash \
-     where the result does not hold the number. Not attributed: \
-     correlations and a distribution that is not normal, which close the budget.";
+     where the result does not hold the number. Shares of the combined variance sum to 100 %. Not attributed: \
+     correlations and a distribution that is not normal, which close the budget; negative where the other inputs exceed it.";
 
 /// Uncertainty budget of one quantity at one load.
 #[derive(Clone, Debug, PartialEq)]
@@ -121,16 +123,23 @@ impl UncertaintyBudget {
         sample.expected.iter().enumerate().filter_map(budget).map(Self::closed).collect()
     }
 
-    /// Adds the input `NOT_ATTRIBUTED` if the listed inputs explain less than the combined uncertainty.
+    /// Adds the input `NOT_ATTRIBUTED` unless the squared contributions of the listed inputs sum to the combined variance.
     fn closed(mut self) -> Self {
         let listed: f64 = self.inputs.iter().map(|input| input.contribution().powi(2)).sum();
         let rest = self.combined.powi(2) - listed;
         let sensitivity = self.inputs.first().map_or(1.0, |input| input.sensitivity);
-        if rest > MIN_NOT_ATTRIBUTED * self.combined.powi(2) && sensitivity > 0.0 {
-            let std = tidy(rest.sqrt() / sensitivity);
+        if rest.abs() > MIN_NOT_ATTRIBUTED * self.combined.powi(2) && sensitivity > 0.0 {
+            let std = tidy(rest.abs().sqrt().copysign(rest) / sensitivity);
             self.inputs.push(Input { name: NOT_ATTRIBUTED.to_owned(), std, sensitivity });
         }
         self
+    }
+
+    /// Share of `input` in the combined variance: its squared contribution over the squared combined uncertainty, with the
+    /// sign of the contribution. The shares of all inputs sum to 1.
+    fn variance_share(&self, input: &Input) -> Option<f64> {
+        let share = input.contribution() / self.combined;
+        (self.combined > 0.0).then(|| share * share.abs())
     }
 
     /// Expanded uncertainty: half the width of the 95 % interval.
@@ -162,7 +171,7 @@ impl UncertaintyBudget {
     /// Table with one row per input, the largest contribution first.
     pub(crate) fn table(&self) -> Table {
         let mut inputs: Vec<&Input> = self.inputs.iter().collect();
-        inputs.sort_by(|a, b| b.contribution().total_cmp(&a.contribution()));
+        inputs.sort_by(|a, b| b.contribution().abs().total_cmp(&a.contribution().abs()));
         let mut table = Table::of(&inputs);
         table.column("input", |input| input.name.clone());
         table.column("type", |input| input.kind().to_owned());
@@ -170,6 +179,7 @@ impl UncertaintyBudget {
         table.column("degrees of freedom", |input| if input.is_type_a() { "-" } else { "∞" }.to_owned());
         table.column("sensitivity", |input| fixed(Some(input.sensitivity), 3));
         table.column("contribution", |input| fixed(Some(input.contribution()), 4));
+        table.column("variance %", |input| fixed(self.variance_share(input).map(|share| 100.0 * share), 1));
         table.table()
     }
 
@@ -190,6 +200,7 @@ impl UncertaintyBudget {
         table.numbers("degrees_of_freedom", |(_, input)| (!input.is_type_a()).then_some(f64::INFINITY));
         table.numbers("sensitivity", |(_, input)| six(input.sensitivity));
         table.numbers("contribution", |(_, input)| six(input.contribution()));
+        table.numbers("variance_share", |(of, input)| of.variance_share(input).map(six));
         table.numbers("combined_uncertainty", |(of, _)| six(of.combined));
         table.numbers("coverage_factor", |(of, _)| of.coverage_factor().map(six));
         table.numbers("expanded_uncertainty", |(of, _)| six(of.expanded()));
@@ -228,9 +239,16 @@ mod tests {
         assert_eq!(rows[1][..4], [TIME_AVERAGE, "A", "0.0300", "-"].map(str::to_owned));
         let wider = UncertaintyBudget { combined: 0.13, ..budget.clone() }.closed();
         assert_eq!(wider.table().body()[0][..3], [NOT_ATTRIBUTED, "B", "0.1200"].map(str::to_owned));
+        // Correlated inputs of 0.03 and 0.04 that give 0.04 together: 0.04^2 - 0.05^2 = -0.03^2.
+        let narrower = UncertaintyBudget { combined: 0.04, ..budget.clone() }.closed();
+        assert_eq!(narrower.table().body()[2][2..], ["-0.0300", "∞", "1.000", "-0.0300", "-56.2"].map(str::to_owned));
+        for budget in [budget, &wider, &narrower] {
+            let shares = budget.inputs.iter().map(|input| budget.variance_share(input).unwrap());
+            assert!((shares.sum::<f64>() - 1.0).abs() < 1e-9, "{budget:?}");
+        }
         let csv = UncertaintyBudget::csv(&found);
         assert!(
-            csv.contains("\ndynamic friction,2.6,2,,0.4,time average,A,0.03,,1,0.03,0.05,1.95996,0.0979982,"),
+            csv.contains("\ndynamic friction,2.6,2,,0.4,time average,A,0.03,,1,0.03,0.36,0.05,1.95996,0.0979982,"),
             "{csv}"
         );
     }
