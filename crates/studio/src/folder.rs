@@ -220,16 +220,18 @@ pub async fn watch(shared: Arc<Shared>) {
             continue;
         }
         let Ok(now) = tokio::task::spawn_blocking(|| files_below(Path::new(""))).await else { continue };
-        if let Some(before) = known.as_ref().filter(|before| **before != now) {
+        if known.as_ref() == Some(&now) {
+            continue;
+        }
+        if let Some(before) = &known {
             let times: HashMap<&str, u64> = before.iter().map(|file| (&file.path[..], file.modified_ms)).collect();
             let here = SystemTime::now();
-            let is_old = |file: &&Listed| {
-                times.get(&file.path[..]) != Some(&file.modified_ms)
-                    && file.modified_ms < milliseconds(here - 2 * WATCH_INTERVAL)
-            };
+            let old_ms = milliseconds(here - 2 * WATCH_INTERVAL);
+            let is_old = |of: &&Listed| of.modified_ms < old_ms && times.get(&of.path[..]) != Some(&of.modified_ms);
             locked(&shared.came).extend(now.iter().filter(is_old).map(|file| (file.path.clone(), here)));
-            shared.jobs.tell("folder", || json!({}));
         }
+        // Also at the first look: a file may have changed since a page read the folder.
+        shared.jobs.tell("folder", || json!({}));
         known = Some(now);
     }
 }

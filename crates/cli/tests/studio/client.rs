@@ -91,6 +91,18 @@ impl Server {
         format!("slipgrid_{}={}", self.port, self.token)
     }
 
+    /// Lines of the stream of events, from the first on.
+    pub fn events(&self) -> impl Iterator<Item = String> {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let (port, cookie) = (self.port, self.cookie());
+        let head = format!("GET /api/events HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nCookie: {cookie}\r\n\r\n");
+        stream.write_all(head.as_bytes()).unwrap();
+        let mut lines = BufReader::new(stream).lines().map(Result::unwrap);
+        assert!(lines.any(|line| line == "event: hello"));
+        lines
+    }
+
     /// Sends a request as the page does.
     pub fn ask(&self, method: &str, target: &str, body: &[u8]) -> Answer {
         let (host, cookie) = (format!("127.0.0.1:{}", self.port), self.cookie());
