@@ -131,9 +131,10 @@ impl Cavities {
         let warnings: String = self.warnings().map(|warning| format!("! {warning}\n")).collect();
         let (noun, verb) = if self.0.cavities.len() == 1 { ("cavity", "takes") } else { ("cavities", "take") };
         format!(
-            "\n{table}{round}{staggered}{warnings}\n{} {noun} {verb} {:.1} % of the map; land Sq {} um\n{crossing}\n{edges}\n{rim}{wall}\n",
+            "\n{table}{round}{staggered}{warnings}\n{} {noun} {verb} {:.1} % of the map{}; land Sq {} um\n{crossing}\n{edges}\n{rim}{wall}\n",
             self.0.cavities.len(),
             100.0 * self.0.area_fraction,
+            self.cut_off(),
             fixed(Some(um(self.0.land_sq_m)), 3),
         )
     }
@@ -152,7 +153,15 @@ impl Cavities {
 
     /// Summarizes the number of cavities and their area.
     pub(crate) fn summary(&self) -> String {
-        format!("{}, on {:.1} % of the map", self.0.cavities.len(), 100.0 * self.0.area_fraction)
+        format!("{}, on {:.1} % of the map{}", self.0.cavities.len(), 100.0 * self.0.area_fraction, self.cut_off())
+    }
+
+    /// Counts the cavities that are not measured; empty if all are.
+    fn cut_off(&self) -> String {
+        match self.0.cavities.iter().filter(|cavity| cavity.width_m == [None; 2]).count() {
+            cut if cut > 0 && self.0.crossing.is_none() => format!(", {cut} cut off by its sides and not measured"),
+            _ => String::new(),
+        }
     }
 
     /// Warns that heights may be in another unit than assumed; `None` unless cavities are implausibly shallow.
@@ -213,7 +222,7 @@ impl Cavities {
             (Some(profile), _) => format!("the rim's profile is {profile}"),
             (None, Some(_)) => "no rim stands out from the roughness".to_owned(),
             (None, None) => match rim.unknown {
-                Some(RimUnknown::NoLand) => "the height of the rims is not known: they leave no land between them",
+                Some(RimUnknown::NoLand) => "the height of the rims is not known: no level land lies between the edges",
                 Some(RimUnknown::Misfit) => "the height of the rims is not known: the mean profile is that of no rim",
                 _ => "rims cannot be measured: too little land or edge, or too few pixels across",
             }

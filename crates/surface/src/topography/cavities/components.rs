@@ -95,7 +95,8 @@ impl Regions {
     }
 
     /// Returns the chords along `axis`, 0 for x and 1 for y, line by line in order. A chord extends from the first to
-    /// the last point of a region on a line and ends where the height crosses the region's own threshold.
+    /// the last point of a region on a line and ends where the height crosses the region's own threshold; a line that
+    /// stays above the threshold has no chord.
     pub(super) fn chords(
         &self,
         height: &[f64],
@@ -122,6 +123,9 @@ impl Regions {
                     k += 1;
                 }
                 let profile = |k: usize| height[at(k)];
+                if (start..k).all(|k| profile(k) > threshold(region)) {
+                    continue;
+                }
                 let from = crossing(profile, threshold(region), [start, k - 1], true, length);
                 let to = crossing(profile, threshold(region), [k - 1, start], false, length);
                 match chords[first_of_line..].last_mut() {

@@ -29,6 +29,8 @@ pub(super) struct Found {
     /// Whether each point lies in the middle third of a cavity.
     pub(super) middle: Vec<bool>,
     pub(super) pixel_m: [f64; 2],
+    /// Fraction of a width that is excluded on either side of an edge, from the land and from the floor.
+    pub(super) margin: f64,
 }
 
 impl Found {
@@ -63,7 +65,7 @@ impl Found {
         let filled_m = filled.heights_m().to_vec();
         monitor.heed()?;
         let regions = Regions::find(&filled_m, map.cols(), land.threshold_m, SPECK, monitor)?;
-        Self::complete(land, filled_m, regions, None, pixel_m, monitor)
+        Self::complete(land, filled_m, regions, None, pixel_m, MARGIN, monitor)
     }
 
     /// Recomputes the floors below the land minus the fitted rim, which would otherwise make cavities appear deeper.
@@ -82,7 +84,14 @@ impl Found {
             monitor.heed()?;
             bare_m.extend((i * self.cols()..).zip(row).map(bare));
         }
-        Self::complete(self.land, self.filled_m, self.regions, Some(&bare_m), self.pixel_m, monitor)
+        Self::complete(self.land, self.filled_m, self.regions, Some(&bare_m), self.pixel_m, self.margin, monitor)
+    }
+
+    /// Finds the regions below `threshold_m`, a height above the form, again, and floors that begin at `margin`.
+    pub(super) fn again(mut self, threshold_m: f64, margin: f64, monitor: &dyn Monitor) -> Result<Self, MapError> {
+        self.land.threshold_m = threshold_m;
+        let regions = Regions::find(&self.filled_m, self.cols(), threshold_m, SPECK, monitor)?;
+        Self::complete(self.land, self.filled_m, regions, None, self.pixel_m, margin, monitor)
     }
 
     /// Computes floors and chords of `regions`; the land next to cavities is taken from `bare_m` if given.
@@ -92,6 +101,7 @@ impl Found {
         regions: Regions,
         bare_m: Option<&[f64]>,
         pixel_m: [f64; 2],
+        margin: f64,
         monitor: &dyn Monitor,
     ) -> Result<Self, MapError> {
         monitor.heed()?;
@@ -103,12 +113,12 @@ impl Found {
         // Each cavity has its own half depth.
         let along = Along::gather(&chords, regions.count());
         let (floors, middle) =
-            floors(&regions, &chords, &along, bare_m.unwrap_or(&land.height_m), land.threshold_m, monitor)?;
+            floors(&regions, &chords, &along, bare_m.unwrap_or(&land.height_m), [land.threshold_m, margin], monitor)?;
         let chords = both(&|region| {
             floors[region as usize].map_or(land.threshold_m, |floor| floor.land_m - 0.5 * floor.depth_m)
         })?;
         let along = Along::gather(&chords, regions.count());
-        Ok(Self { land, filled_m, regions, chords, along, floors, middle, pixel_m })
+        Ok(Self { land, filled_m, regions, chords, along, floors, middle, pixel_m, margin })
     }
 
     /// Number of points along y.
@@ -120,7 +130,7 @@ impl Found {
     /// whole or a groove.
     pub(super) fn counts(&self, axis: usize, region: usize) -> bool {
         let across = &self.along[1 - axis][region];
-        self.along[axis][region].is_within() && (across.is_within() || across.runs_through())
+        self.along[axis][region].is_within() && (across.is_within() || across.reaches_across())
     }
 
     /// Whether the map's sides cut a region along no axis.
@@ -131,7 +141,7 @@ impl Found {
     /// Whether a region shows both ends along an axis, or one complete end: it counts along the axis, or is a groove
     /// cut lengthwise by the map's side.
     fn shows_ends(&self, axis: usize, region: usize) -> bool {
-        self.counts(axis, region) || self.along[1 - axis][region].runs_through()
+        self.counts(axis, region) || self.along[1 - axis][region].reaches_across()
     }
 
     /// Pairs of regions that face each other along an axis on any line, and the width of the land between them on each
@@ -228,14 +238,9 @@ impl Along {
         self.lengths.len() as f64 >= Self::WITHIN * self.lines as f64
     }
 
-    /// Whether the region reaches both sides of the map on at least one line each.
+    /// Whether the region reaches both sides of the map, as a groove does, though a turned one on no line both.
     pub(super) fn reaches_across(&self) -> bool {
         self.cut.iter().all(|&cut| cut > 0)
-    }
-
-    /// Whether the map cuts off the region at both ends on at least [`Self::WITHIN`] of its lines, as a groove.
-    pub(super) fn runs_through(&self) -> bool {
-        self.cut.iter().all(|&cut| cut as f64 >= Self::WITHIN * self.lines as f64)
     }
 }
 
@@ -274,14 +279,14 @@ pub(super) struct Floor {
     pub(super) depth_m: f64,
 }
 
-/// Computes the adjacent land, of points above `threshold_m`, and the depth of the middle third of each region from
-/// measured points; also returns which points are in middle thirds.
+/// Computes the adjacent land, of points above `threshold_m`, and the depth of the middle of each region, at least
+/// `margin` widths from its edges, from measured points; also returns which points are in middles.
 fn floors(
     regions: &Regions,
     chords: &[Vec<Chord>; 2],
     along: &[Vec<Along>; 2],
     height_m: &[f64],
-    threshold_m: f64,
+    [threshold_m, margin]: [f64; 2],
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Option<Floor>>, Vec<bool>), Cancelled> {
     let cols = regions.cols;
@@ -292,6 +297,8 @@ fn floors(
     let mut beside = vec![[Mean::default(); 4]; regions.count() + 1];
     for (axis, chords) in chords.iter().enumerate() {
         let length = if axis == 0 { regions.label.len() / cols } else { cols };
+        let widths: Vec<f64> =
+            along[axis].iter().map(|along| median(&mut along.lengths.clone()).unwrap_or_default()).collect();
         for (number, chord) in chords.iter().enumerate() {
             if number % CHORDS_TOGETHER == 0 {
                 monitor.heed()?;
@@ -299,7 +306,9 @@ fn floors(
             let ends = chord.from.zip(chord.to).filter(|_| along[axis][chord.region as usize].is_within());
             let Some((from, to)) = ends else { continue };
             let at = |k: usize| if axis == 0 { k * cols + chord.line } else { chord.line * cols + k };
-            let margin = MARGIN * (to - from);
+            // Of the region, not of the chord: beside the short chords of corners there is wall.
+            let width = widths[chord.region as usize];
+            let margin = margin * width;
             for k in from.ceil() as usize..=to.floor() as usize {
                 if ((k as f64) < from + margin || k as f64 > to - margin) && regions.label[at(k)] == chord.region {
                     middle[at(k)] = false;
@@ -309,10 +318,9 @@ fn floors(
             let same_line = |other: &&Chord| other.line == chord.line;
             let previous = number.checked_sub(1).and_then(|before| chords.get(before)).filter(same_line);
             let next = chords.get(number + 1).filter(same_line);
-            let first = previous.map_or(0.0, |previous| previous.to.unwrap_or(0.0) + margin).max(from - (to - from));
-            let last = next
-                .map_or(length as f64 - 1.0, |next| next.from.unwrap_or(length as f64) - margin)
-                .min(to + (to - from));
+            let first = previous.map_or(0.0, |previous| previous.to.unwrap_or(0.0) + margin).max(from - width);
+            let last =
+                next.map_or(length as f64 - 1.0, |next| next.from.unwrap_or(length as f64) - margin).min(to + width);
             let sides = &mut beside[chord.region as usize];
             for (side, [first, last]) in [[first, from - margin], [to + margin, last]].into_iter().enumerate() {
                 // The casts saturate at zero.

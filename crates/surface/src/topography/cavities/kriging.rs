@@ -70,6 +70,8 @@ pub(super) struct Kriging {
     ones: Vec<f64>,
     /// Constant and slope, whitened and orthonormalized.
     drift: Vec<Vec<f64>>,
+    /// Length of the whitened rise of 1 from the first bin to the last, orthogonal to the constant.
+    rise: f64,
 }
 
 /// A shape f, whitened and orthogonal to constant and slope.
@@ -98,15 +100,15 @@ impl Kriging {
             lag => sill - variogram.at(lag) - nugget,
         };
         let factor = cholesky::factor(bins.len(), covariance, 0.0)?;
-        let mut kriging = Self { factor, ones: Vec::new(), drift: Vec::new() };
+        let mut kriging = Self { factor, ones: Vec::new(), drift: Vec::new(), rise: 0.0 };
         kriging.ones = kriging.whiten(&vec![1.0; bins.len()]);
         for power in [0, 1] {
             let share = |bin: usize| (bin - bins[0]) as f64 / span.max(1) as f64;
             let values: Vec<f64> = bins.iter().map(|&bin| share(bin).powi(power)).collect();
             let mut whitened = kriging.whiten(&values);
             kriging.strip(&mut whitened);
-            let length = dot(&whitened, &whitened).sqrt();
-            kriging.drift.push(whitened.iter().map(|value| value / length).collect());
+            kriging.rise = dot(&whitened, &whitened).sqrt();
+            kriging.drift.push(whitened.iter().map(|value| value / kriging.rise).collect());
         }
         Some(kriging)
     }
@@ -132,6 +134,12 @@ impl Kriging {
         self.strip(&mut whitened);
         let square = dot(&whitened, &whitened);
         Shape { square: if square > 1e-9 * whole { square } else { 0.0 }, whitened }
+    }
+
+    /// The slope, on any level; its height is the rise from the first bin to the last.
+    pub(super) fn slope(&self) -> Shape {
+        let whitened: Vec<f64> = self.drift[1].iter().map(|value| value * self.rise).collect();
+        Shape { whitened, square: self.rise * self.rise }
     }
 
     /// Returns the height h of `shape` in the whitened profile `ready`, and the decrease of the sum of squares by it.
@@ -201,6 +209,9 @@ mod tests {
             assert!((dot(&weights, &profile) - 0.7).abs() < 1e-9 && weights.iter().sum::<f64>().abs() < 1e-9);
             let slope: Vec<f64> = bins.iter().map(|&bin| bin as f64).collect();
             assert!(dot(&weights, &slope).abs() < 1e-7 && !kriging.shape(&slope).is_determined());
+            let rising: Vec<f64> = slope.iter().map(|bin| 5.0 + 0.7 * bin / slope.last().unwrap()).collect();
+            let (rise, _) = kriging.height(&kriging.slope(), &kriging.whiten(&rising));
+            assert!((rise - 0.7).abs() < 1e-7, "{rise}");
             assert!(!kriging.shape(&vec![1.0; bins.len()]).is_determined());
             let level: Vec<f64> = profile.iter().zip(&step).map(|(height, step)| height - 0.7 * step).collect();
             assert!((kriging.level(&level) - 5.0).abs() < 1e-9);

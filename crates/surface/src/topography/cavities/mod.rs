@@ -11,8 +11,8 @@
 //! The depth is the height of the adjacent land above the middle third of the cavity's width. The land is taken from
 //! one third of the width to the full width away from each edge (after ISO 5436-1, type A1), which excludes rims and
 //! walls, and keeps surface waves longer than a cavity from counting as depth. If neighbours leave no such land, the
-//! form fitted to all land replaces it. Walls wider than two thirds of a cavity reach into both thirds, and its depth
-//! comes out too small.
+//! form fitted to all land replaces it. Walls wider than two thirds of a cavity reach into both thirds, which then begin
+//! where the walls end; of walls wider than nine tenths, the depth is that of the middle tenth.
 //!
 //! Rims along the edges are measured from the mean of all heights at equal distances from an edge ([`RimMetrology`]). A
 //! rim that reaches into the adjacent land would make its cavity appear deeper, so depths refer to the land minus the
@@ -34,15 +34,16 @@ mod period;
 mod pitch;
 mod rims;
 mod round;
+mod scene;
 mod share;
 mod walls;
 
 use std::collections::BTreeMap;
 
 use edge::Edges;
-use found::Found;
+use found::{Floor, Found};
 use grid::Grid;
-use rims::Scene;
+use scene::Scene;
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::statistics::{mean_and_std, median};
 use walls::Walls;
@@ -61,6 +62,13 @@ use crate::topography::{HeightMap, MapError};
 const SPECK: f64 = 0.1;
 /// Fraction of a width that is excluded on either side of an edge, from the land and from the floor.
 const MARGIN: f64 = 1.0 / 3.0;
+/// Greatest such fraction, for walls that reach farther.
+const MAX_MARGIN: f64 = 0.45;
+/// Maximum distance of the level below which cavities are found from half depth, relative to the depth. The first level
+/// is half-way between the medians of land and cavities, whose walls may be most of their area.
+const MAX_LEVEL_ERROR: f64 = 0.02;
+/// Maximum number of rounds of finding cavities again where walls are wide; a round divides errors by some twenty.
+const WALL_ROUNDS: usize = 2;
 
 /// Mean and scatter of a quantity over cavities.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,8 +154,8 @@ pub struct CavityMetrology {
     /// Mean slope of the walls between 20 % and 80 % of the depth, in degrees from the horizontal; `None` if no depth
     /// was measured, or no heights on the walls.
     pub wall_angle_deg: Option<Estimate>,
-    /// Slope of a wall two pixels wide, in degrees; a measured slope near or above it is only a lower bound. `None` if
-    /// no depth was measured.
+    /// Slope of a wall three pixels wide, in degrees; of steeper walls it is only a lower bound. `None` if no depth was
+    /// measured.
     pub wall_resolved_deg: Option<f64>,
     /// Mean of the root mean square heights of the floors' middle thirds about their planes, in metres; `None` if no
     /// floor has the points that a plane needs.
@@ -178,6 +186,8 @@ struct Sought {
     /// Width of each region along x and y, by label; `None` if the region does not end within the map along the axis.
     width_m: Vec<[Option<f64>; 2]>,
     spacing: [Option<Spread>; 2],
+    /// Mean width of the cavities, the smaller of those along x and y, in metres; 0 without any.
+    mean_width_m: f64,
     edges: Edges,
     walls: Walls,
     rim: RimMetrology,
@@ -186,10 +196,27 @@ struct Sought {
 }
 
 impl Sought {
-    /// Measures edges, walls and rims of `found`; if there are rims, the depths are recomputed from the land without
-    /// rims.
-    fn with_rims(found: Found, monitor: &dyn Monitor) -> Result<(Found, Self), MapError> {
-        let sought = Self::along_edges(&found, monitor)?;
+    /// Measures edges, walls and rims of `found`; if walls are wide, or if there are rims, land and floors are measured
+    /// again beyond them.
+    fn with_rims(mut found: Found, monitor: &dyn Monitor) -> Result<(Found, Self), MapError> {
+        let mut sought = Self::along_edges(&found, monitor)?;
+        for _ in 0..WALL_ROUNDS {
+            let pixel_m = found.pixel_m[0].max(found.pixel_m[1]);
+            let most = MAX_MARGIN.min(0.5 - pixel_m / sought.mean_width_m);
+            let margin = ((sought.walls.top_m + pixel_m) / sought.mean_width_m).min(most).max(found.margin);
+            let floors = found.floors.iter().zip(&sought.counts).filter(|(_, counts)| **counts);
+            let floors: Vec<Floor> = floors.filter_map(|(floor, _)| *floor).collect();
+            let mean_m = |of_m: fn(&Floor) -> f64| mean_and_std(floors.iter().map(of_m)).map(|(mean_m, _)| mean_m);
+            let Some((land_m, depth_m)) = mean_m(|floor| floor.land_m).zip(mean_m(|floor| floor.depth_m)) else {
+                break;
+            };
+            let half_m = land_m - 0.5 * depth_m;
+            if margin <= found.margin && (half_m - found.land.threshold_m).abs() <= MAX_LEVEL_ERROR * depth_m {
+                break;
+            }
+            found = found.again(half_m, margin, monitor)?;
+            sought = Self::along_edges(&found, monitor)?;
+        }
         if sought.rim.width_m.is_none() {
             return Ok((found, sought));
         }
@@ -230,7 +257,7 @@ impl Sought {
             spacing_m: least_m(spacing),
         };
         let (rim, rim_heights) = rims::measure(&scene, monitor)?;
-        Ok(Self { counts, width_m, spacing, edges, walls, rim, rim_heights })
+        Ok(Self { counts, width_m, spacing, mean_width_m, edges, walls, rim, rim_heights })
     }
 }
 

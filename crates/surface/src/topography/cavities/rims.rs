@@ -11,17 +11,13 @@ use std::collections::BTreeMap;
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
 
-use super::edge::Edges;
 use super::heights::Heights;
 use super::kriging::{Kriging, Shape, Variogram};
+use super::scene::{MAX_BINS, Scene};
 use super::share::share_of_edge;
 use super::{Estimate, RimProfile};
 use slipgrid_base::statistics::splitmix64;
 
-/// Number of points between two checks for cancellation.
-const CANCEL_CHECK_INTERVAL: usize = 1 << 14;
-/// Maximum number of bins of a profile.
-const MAX_BINS: usize = 160;
 /// Minimum number of bins for the detection of a rim.
 const MIN_BINS: usize = 5;
 /// Minimum number of edge segments for the detection of a rim.
@@ -50,6 +46,9 @@ const MODEL_ERROR: f64 = 0.02;
 /// Maximum root mean square deviation of the mean profile from the fitted rim, in standard errors that include
 /// [`MODEL_ERROR`]: rims of all profiles, 0.1 to 3 um high on rough maps with holes, have up to 1.
 const MAX_MISFIT: f64 = 3.0;
+/// Minimum height of a rim, and fall of the land from rims that meet, relative to half the depth: in a map without noise
+/// any is significant.
+const MIN_RELIEF: f64 = 1e-3;
 /// Width at which the height of an undetected rim is fitted, relative to the mean width of the cavities.
 const NOMINAL_WIDTH: f64 = 0.1;
 /// Number of bootstrap draws.
@@ -74,7 +73,7 @@ pub enum RimUnknown {
     /// The profile is too short for a rim and adjacent land, there are fewer than four edge segments, or the rim is
     /// narrower than four pixels.
     TooSmall,
-    /// Rims extend so far that no land is left beyond them.
+    /// Rims extend so far that no level land is left beyond them.
     NoLand,
     /// The mean profile deviates from every rim by many of its errors.
     Misfit,
@@ -120,63 +119,6 @@ impl RimMetrology {
             }
             _ => 0.0,
         }
-    }
-}
-
-/// Input of the rim measurement.
-pub(super) struct Scene<'a> {
-    pub(super) edges: &'a Edges,
-    /// Heights above the form, in metres, NaN where missing.
-    pub(super) height_m: &'a [f64],
-    /// Label of each point's region, 0 for none.
-    pub(super) label: &'a [u32],
-    /// Height of half depth above the form, in metres; lower points outside of cavities are specks.
-    pub(super) threshold_m: f64,
-    /// Whether the edges of each region, by label, are used.
-    pub(super) counts: &'a [bool],
-    pub(super) pixel_m: [f64; 2],
-    /// Distance from the cavity's edge, which is taken at half depth, to the start of the rim.
-    pub(super) start_m: f64,
-    /// Mean width of the cavities, the smaller of those along x and y.
-    pub(super) width_m: f64,
-    /// Mean land between cavities, the smaller of those along x and y, if known.
-    pub(super) spacing_m: Option<f64>,
-}
-
-impl Scene<'_> {
-    /// Size of a bin: the larger side of a pixel.
-    pub(super) fn bin_m(&self) -> f64 {
-        self.pixel_m[0].max(self.pixel_m[1])
-    }
-
-    /// Reach of profiles from the edge, in metres: half-way to the next cavity, at most two widths and [`MAX_BINS`]
-    /// bins.
-    pub(super) fn reach_m(&self) -> f64 {
-        let beyond_m = self.start_m + self.bin_m() + MAX_BINS as f64 * self.bin_m();
-        self.spacing_m.map_or(f64::INFINITY, |spacing_m| 0.5 * spacing_m).min(2.0 * self.width_m).min(beyond_m)
-    }
-
-    /// Calls `take` with the index of the edge point, the distance from the edge and the height, both in metres, for
-    /// every measured point on land in front of an edge that counts.
-    pub(super) fn for_land(
-        &self,
-        monitor: &dyn Monitor,
-        mut take: impl FnMut(usize, f64, f64),
-    ) -> Result<(), Cancelled> {
-        for (n, (&height_m, &label)) in self.height_m.iter().zip(self.label).enumerate() {
-            if n % CANCEL_CHECK_INTERVAL == 0 {
-                monitor.heed()?;
-            }
-            if label != 0 || height_m.is_nan() || height_m <= self.threshold_m {
-                continue;
-            }
-            if let Some((number, distance_m)) = self.edges.distance_m(n)
-                && self.counts[self.edges.points[number].region as usize]
-            {
-                take(number, distance_m, height_m);
-            }
-        }
-        Ok(())
     }
 }
 
@@ -341,13 +283,24 @@ pub(super) fn measure(
     }
     let Some(fit) = Fit::new(scene, &profile) else { return Ok((nothing, BTreeMap::new())) };
     let ready = fit.kriging.whiten(&profile.mean_m);
-    let Some((best, height_m)) = fit.best(&ready) else { return Ok((nothing, BTreeMap::new())) };
-    let heights = Heights::new(&profile.stretches, &fit.kriging.weights(&best.shape), height_m);
+    let best = fit.best(&ready).map(|(best, height_m)| {
+        (best, height_m, Heights::new(&profile.stretches, &fit.kriging.weights(&best.shape), height_m))
+    });
+    let is_significant = |height_m: f64, heights: &Heights| {
+        height_m >= (MIN_SIGNIFICANCE * heights.error_m()).max(MIN_RELIEF * scene.threshold_m.abs())
+    };
+    let best = best.filter(|(_, height_m, heights)| is_significant(*height_m, heights));
     let level_m = |shape: &[f64], height_m: f64| {
         let land: Vec<f64> = profile.mean_m.iter().zip(shape).map(|(mean, shape)| mean - height_m * shape).collect();
         fit.kriging.level(&land)
     };
-    if height_m < MIN_SIGNIFICANCE * heights.error_m() {
+    let Some((best, height_m, heights)) = best else {
+        // Ramps that meet are a slope, which is fitted beside every rim.
+        let slope = fit.kriging.slope();
+        let (rise_m, _) = fit.kriging.height(&slope, &ready);
+        if is_significant(-rise_m, &Heights::new(&profile.stretches, &fit.kriging.weights(&slope), rise_m)) {
+            return Ok((RimMetrology { unknown: Some(RimUnknown::NoLand), ..nothing }, BTreeMap::new()));
+        }
         // A width selected from noise would exaggerate the height; a nominal width does not.
         let width_m = (NOMINAL_WIDTH * scene.width_m).clamp(MIN_WIDTH * scene.bin_m(), fit.most_width_m);
         let values = fit.values(scene, &profile, RimProfile::Round, width_m);
@@ -365,7 +318,7 @@ pub(super) fn measure(
             ..nothing
         };
         return Ok((none, BTreeMap::new()));
-    }
+    };
     let values = fit.values(scene, &profile, best.profile, best.width_m);
     let edge_profile = edge_profile(level_m(&values, height_m));
     let unknown = if best.width_m > fit.most_width_m {

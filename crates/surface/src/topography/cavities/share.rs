@@ -3,7 +3,7 @@
 use slipgrid_base::monitor::{Cancelled, Monitor};
 
 use super::found::Mean;
-use super::rims::Scene;
+use super::scene::Scene;
 use super::{Estimate, RimProfile};
 
 /// A position belongs to the core of a rim if the height there is at least this fraction of the maximum.

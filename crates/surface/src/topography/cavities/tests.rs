@@ -133,6 +133,46 @@ fn rough_squares_along_both_axes() {
 }
 
 #[test]
+fn walls_of_three_quarters_of_the_width_hide_no_cavity_and_no_depth() {
+    for (shape, count) in [(CutShape::Groove, 5), (CutShape::Square, 25), (CutShape::Disc, 25)] {
+        for wall_m in [0.0, 40e-6, 60e-6] {
+            let mut map = SelfAffine { side_m: 1.024e-3, sa_m: 0.05e-6, ..SelfAffine::STAND_IN }.map().unwrap();
+            let pattern = CutPattern { shape, width_m: 80e-6, spacing_m: 120e-6, depth_m: 8e-6, wall_m, ..GROOVES };
+            map.cut_cavities(&pattern).unwrap();
+            let found = holed(&map, 20).measure_cavities(Form::Plane, &Unwatched).unwrap();
+            let width = found.width[0].unwrap();
+            assert_eq!((found.cavities.len(), width.count), (count, count), "{shape:?} {wall_m}");
+            // The wall falls by 8 um in 60, so that roughness of 0.06 um moves an edge by 0.5 um.
+            assert!((width.mean_m - 80e-6).abs() < 0.4e-6, "{shape:?} {wall_m}: {width:?}");
+            // The floor of a disc, 20 um wide, is not the middle tenth of every chord.
+            let allowed_m = if shape == CutShape::Disc && wall_m > 50e-6 { 0.2e-6 } else { 0.05e-6 };
+            let depth = found.depth.unwrap();
+            assert!((depth.mean_m - 8e-6).abs() < allowed_m, "{shape:?} {wall_m}: {depth:?}");
+        }
+    }
+}
+
+#[test]
+fn a_turned_groove_has_its_width_and_depth() {
+    // Grooves 80 um wide, 120 um apart, turned by up to 5 deg, on 512 x 512 pixels of 2 um: no line runs from side to side.
+    for angle_deg in [0.5_f64, 2.0, 5.0] {
+        let (sin, cos) = angle_deg.to_radians().sin_cos();
+        let height = |n: usize| {
+            let along_um = 2.0 * (cos * (n / 512) as f64 - sin * (n % 512) as f64);
+            let inside_um = 40.0 - (along_um.rem_euclid(200.0) - 100.0).abs();
+            -8e-6 * (inside_um / 10.0 + 0.5).clamp(0.0, 1.0)
+        };
+        let map = HeightMap::new(512, 512, 2e-6, 2e-6, (0..512 * 512).map(height).collect()).unwrap();
+        let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
+        let whole = if angle_deg > 4.0 { 4 } else { 5 };
+        close(found.width[0], Spread { mean_m: 80e-6 / cos, std_m: 0.0, count: whole }, 0.01e-6, 0.01e-6);
+        close(found.depth, Spread { mean_m: 8e-6, std_m: 0.0, count: whole }, 1e-9, 1e-9);
+        // To a twentieth of a pixel: the gaps of a turned groove scatter with the places where lines cross it.
+        assert!((found.spacing[0].unwrap().mean_m - 120e-6 / cos).abs() < 0.1e-6, "{:?}", found.spacing);
+    }
+}
+
+#[test]
 fn a_curved_specimen_needs_the_second_order() {
     let mut map = rough();
     map.cut_cavities(&PUBLISHED).unwrap();

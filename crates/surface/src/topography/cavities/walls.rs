@@ -14,6 +14,9 @@ const MAX_OFF_LINE: f64 = 0.5;
 /// Minimum length of a wall above the land, in bins: the first pixel of a rim, one bin beyond the wall, may lie on the
 /// wall's line by chance.
 const MIN_ABOVE_LAND: f64 = 1.25;
+/// Width of a wall, in larger sides of a pixel, from which on its slope is measured: the mean over a pixel leaves the
+/// line between [`SHARES`] of a wall of 2.5 pixels and more as it is, and bins and edges take the rest.
+const RESOLVED_PIXELS: f64 = 3.0;
 /// Minimum number of points of a floor for the fit of a plane.
 const MIN_FLOOR: f64 = 12.0;
 
@@ -26,9 +29,9 @@ pub(super) struct Walls {
     pub(super) floor_sq_m: Vec<Option<f64>>,
 }
 
-/// Slope of a wall that is `depth_m` deep and two larger sides of a pixel wide, in degrees from the horizontal.
+/// Slope of a wall that is `depth_m` deep and [`RESOLVED_PIXELS`] wide, in degrees from the horizontal.
 pub(super) fn resolved_deg(depth_m: f64, pixel_m: [f64; 2]) -> f64 {
-    libm::atan(depth_m / (2.0 * pixel_m[0].max(pixel_m[1]))).to_degrees()
+    libm::atan(depth_m / (RESOLVED_PIXELS * pixel_m[0].max(pixel_m[1]))).to_degrees()
 }
 
 /// Measures the walls of the regions that count, from the mean depth fraction at equal distances from their edges, up
