@@ -11,6 +11,9 @@ use crate::export::Outline;
 /// Maximum deviation of a chord from its arc, in metres: a hundredth of the positioning accuracy of a laser.
 pub(crate) const ARC_SAGITTA_M: f64 = 1e-8;
 
+/// Minimum distance of two corners, in metres: files hold nanometres. A groove's corner on the border is also the point
+/// where the border cuts its side.
+const MIN_EDGE_M: f64 = 1e-9;
 /// Minimum area of a part, in square metres, a square nanometre; smaller parts are rounding errors.
 const MIN_AREA_M2: f64 = 1e-18;
 
@@ -32,8 +35,15 @@ pub(crate) fn clip(polygon: Polygon, outline: &Outline) -> Vec<Polygon> {
     without_slivers(parts)
 }
 
-/// Removes parts that are rounding errors.
+/// Removes corners and parts that are rounding errors.
 pub(crate) fn without_slivers(mut parts: Vec<Polygon>) -> Vec<Polygon> {
+    let are_one = |[xa, ya]: [f64; 2], [xb, yb]: [f64; 2]| (xa - xb).hypot(ya - yb) < MIN_EDGE_M;
+    for part in &mut parts {
+        part.dedup_by(|next, kept| are_one(*next, *kept));
+        if part.len() > 1 && are_one(part[0], part[part.len() - 1]) {
+            part.pop();
+        }
+    }
     parts.retain(|part| area_m2(part) > MIN_AREA_M2);
     parts
 }

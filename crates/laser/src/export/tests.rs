@@ -259,6 +259,12 @@ fn solids_are_closed_and_hold_the_cavities_volume() {
         edges.sort_unstable();
         back.sort_unstable();
         assert_eq!(edges, back);
+        for [_, a, b, c] in &triangles {
+            let [u, v] = [b, c].map(|to| [0, 1, 2].map(|axis| to[axis] - a[axis]));
+            let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+            // Corners are a nanometre apart, in single precision.
+            assert!(normal.iter().any(|part| part.abs() > 1e-11), "{layout:?}: {a:?} {b:?} {c:?}");
+        }
         // Divergence theorem: V = 1/6 sum a . (b x c); single precision on a specimen of 4 mm.
         let volume_mm3: f64 = triangles
             .iter()
