@@ -1,5 +1,7 @@
 //! Stored results of `optimize` and `next`: the parts that `export` needs.
 
+use std::collections::BTreeMap;
+
 use crate::results::PatternReport;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -43,9 +45,14 @@ pub enum StoredError {
         "is not a result of `slipgrid next` that says laser, specimen and material, as this version writes it: {0}"
     )]
     Next(#[source] serde_json::Error),
+    /// Result of another command, whose words are given.
+    #[error("holds no design and no samples{0}")]
+    Another(&'static str),
     /// The requested sample does not exist.
-    #[error("has {rows} samples: those to cut first, then yours, then the others worth cutting")]
+    #[error("has no sample {number}, but 1 to {rows}: those to cut first, then yours, then the others worth cutting")]
     NoSample {
+        /// Number of the requested sample.
+        number: usize,
         /// Number of samples.
         rows: usize,
     },
@@ -57,12 +64,12 @@ pub enum StoredError {
     Sectors,
 }
 
-/// Fields that distinguish results of `optimize` from results of `next`.
-#[derive(Deserialize)]
-struct Kind {
-    design: Option<IgnoredAny>,
-    samples: Option<IgnoredAny>,
-}
+/// Fields of the results of other commands, and words that name the command.
+const OTHERS: [(&str, &str); 3] = [
+    ("fidelity", ", as a result of `slipgrid simulate`"),
+    ("coverage", ", as a result of `slipgrid trials`"),
+    ("parameters", ", as a result of `slipgrid surface`"),
+];
 
 /// Other textures worth cutting in a result of `optimize`.
 #[derive(Deserialize)]
@@ -84,15 +91,22 @@ impl StoredDesign {
     /// # Errors
     /// [`StoredError`].
     pub fn read(text: &str, sample: Option<usize>) -> Result<Self, StoredError> {
-        let is_next =
-            serde_json::from_str(text).is_ok_and(|kind: Kind| kind.design.is_none() && kind.samples.is_some());
-        if !is_next {
+        let fields: BTreeMap<String, IgnoredAny> = serde_json::from_str(text).map_err(StoredError::Optimize)?;
+        let has = |field: &str| fields.contains_key(field);
+        if !has("design") && !has("samples") {
+            let other = OTHERS.into_iter().find(|(field, _)| has(field));
+            return Err(StoredError::Another(other.map_or("", |(_, words)| words)));
+        }
+        let number = sample.unwrap_or(1);
+        if has("design") {
             let stored: Self = serde_json::from_str(text).map_err(StoredError::Optimize)?;
-            let Some(row) = sample.filter(|&sample| sample != 1) else { return Ok(stored) };
+            if number == 1 {
+                return Ok(stored);
+            }
             let Others { others } = serde_json::from_str(text).map_err(StoredError::Optimize)?;
             let rows = 1 + others.len();
-            let other = row.checked_sub(2).and_then(|place| others.into_iter().nth(place));
-            let Other { design } = other.ok_or(StoredError::NoSample { rows })?;
+            let other = number.checked_sub(2).and_then(|place| others.into_iter().nth(place));
+            let Other { design } = other.ok_or(StoredError::NoSample { number, rows })?;
             return Ok(Self { design, ..stored });
         }
         let stored: NextReport = serde_json::from_str(text).map_err(StoredError::Next)?;
@@ -100,10 +114,26 @@ impl StoredDesign {
             return Err(StoredError::Sectors);
         }
         let rows = stored.rows();
-        let row = sample.unwrap_or(1).checked_sub(1).and_then(|place| rows.get(place));
-        let (_, of) = row.ok_or(StoredError::NoSample { rows: rows.len() })?;
+        let row = number.checked_sub(1).and_then(|place| rows.get(place));
+        let (_, of) = row.ok_or(StoredError::NoSample { number, rows: rows.len() })?;
         let design = of.design.clone();
         let NextReport { name, version, schema, material, specimen, laser, tolerances, seed, .. } = stored;
         Ok(Self { name, version, schema, design, material, specimen, laser, tolerances, seed })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_of_other_commands_are_named() {
+        let refused = |text: &str| StoredDesign::read(text, None).unwrap_err().to_string();
+        let simulated = refused("{\"fidelity\": \"steady\", \"results\": []}");
+        assert_eq!(simulated, "holds no design and no samples, as a result of `slipgrid simulate`");
+        assert_eq!(refused("{}"), "holds no design and no samples");
+        for text in ["", "[1]", "{", "{\"design\": {}}"] {
+            assert!(refused(text).starts_with("is not a result of `slipgrid optimize`"), "{text}");
+        }
     }
 }

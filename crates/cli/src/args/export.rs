@@ -27,7 +27,7 @@ pub struct ExportArgs {
     /// Formats, separated by commas
     #[arg(long, value_parser = laser_files(), value_delimiter = ',', default_values = LaserFile::ALWAYS.map(|file| file.described()[0]))]
     pub format: Vec<LaserFile>,
-    /// Pixel size of the height map; by default 1/16 of a cavity, but at least 1/4096 of the specimen
+    /// Pixel size of the height map, at most the width of a cavity; by default 1/16 of a cavity, but at least 1/4096 of the specimen
     #[arg(long, value_name = "UM")]
     pub pixel_um: Option<f64>,
     /// Folder for the files; the folder of the result by default

@@ -76,6 +76,7 @@ fn read(path: &Path, sample: Option<usize>) -> Result<StoredDesign, Diagnostic> 
         let refused = Diagnostic::file(path, error.to_string());
         let line = match &error {
             StoredError::Optimize(error) | StoredError::Next(error) => u32::try_from(error.line()).ok(),
+            StoredError::Another(_) => return refused.expected(FileKind::Result.expected()),
             _ => None,
         };
         Diagnostic { line: line.filter(|&line| line > 0), ..refused }

@@ -145,8 +145,10 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
             assert_eq!(beside, place.read(&format!("{folder}/process.toml")));
         }
     }
-    let said = place.refuse(&["export", "out", "--sample", "99"]);
-    assert!(said.contains("samples: those to cut first, then yours"), "{said}");
+    for number in ["0", "99"] {
+        let said = place.refuse(&["export", "out", "--sample", number]);
+        assert!(said.contains(&format!("has no sample {number}, but 1 to ")), "{said}");
+    }
     // The first of them pending, another comes next, and together they are as good as two at once.
     let pending = format!("{CALIBRATION}{}", trial("first", lengths(&alone["samples"][0]), ""));
     place.write("calibration.toml", pending);

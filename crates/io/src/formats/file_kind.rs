@@ -72,7 +72,7 @@ impl FileKind {
             Self::Design => "a design file, with [target] and [bounds]",
             Self::Calibration => "a calibration file, with [measurements] or [traces]",
             Self::Material => "a material file, with [friction], as `slipgrid calibrate` writes it",
-            Self::Result => "result.json as `slipgrid optimize` writes it, or its folder",
+            Self::Result => "result.json as `slipgrid optimize` or `next` writes it, or its folder",
             Self::Campaign => "a campaign file, with base = \"SCENE or DESIGN\"",
         }
     }

@@ -231,6 +231,12 @@ fn height_maps_hold_the_area_and_the_volume_of_the_cavities() {
     }
     let refused = HeightMap::new(&layout, &Laser::default(), Some(1e-3)).unwrap_err().to_string();
     assert!(refused.contains("32768"), "{refused}");
+    // A pixel as wide as a cavity shows each, a wider one may miss some.
+    assert!(HeightMap::new(&layout, &Laser::default(), Some(100.0)).is_ok());
+    for pixel_um in [101.0, 20_000.0] {
+        let refused = HeightMap::new(&layout, &Laser::default(), Some(pixel_um)).unwrap_err().to_string();
+        assert!(refused.contains(&format!("pixels of {pixel_um} um")) && refused.contains("to 100 um"), "{refused}");
+    }
 }
 
 /// Triangles of a binary STL, in millimetres.
