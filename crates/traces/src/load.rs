@@ -91,18 +91,20 @@ fn likely_cause(tangential: &Tangential, inside: &Range<usize>, found_n: f64, no
     if matches_nominal(found_n) {
         return String::new();
     }
-    if let Tangential::ForceN(values) | Tangential::TorqueNm(values) = tangential {
-        let friction_n = median(values[inside.clone()].iter().map(|force| force.abs()).collect());
-        // Dry friction is below the normal force, and the radius of a holder is below 1 m.
-        let is_above = friction_n > found_n && (friction_n / nominal_n - 1.0).abs() <= LOAD_TOLERANCES.1;
-        if matches_nominal(friction_n) || is_above {
-            let channel = tangential.name();
-            let unit = if channel == "torque" { "N m" } else { "N" };
-            return format!(
-                "; the {channel} is {friction_n:.2} {unit}, so that normal force and {channel} are likely in each other's place: titles \
-                 of their columns, or `columns` in [traces]"
-            );
-        }
+    let friction_n = median(tangential.values()[inside.clone()].iter().map(|force| force.abs()).collect());
+    // Dry friction is below the normal force, and the radius of a holder is below 1 m.
+    let is_above = friction_n > found_n && (friction_n / nominal_n - 1.0).abs() <= LOAD_TOLERANCES.1;
+    if matches_nominal(friction_n) || is_above {
+        let channel = tangential.name();
+        let unit = match tangential {
+            Tangential::TorqueNm(_) => " N m",
+            Tangential::ForceN(_) => " N",
+            Tangential::Coefficient(_) => "",
+        };
+        return format!(
+            "; the {channel} is {friction_n:.2}{unit}, so that normal force and {channel} are likely in each other's place: titles \
+             of their columns, or `columns` in [traces]"
+        );
     }
     let mut units = UNITS.into_iter().map(|(unit, or, newtons)| (unit, or, found_n * newtons));
     let unit = units.find(|(.., force_n)| matches_nominal(*force_n));

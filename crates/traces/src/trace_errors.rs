@@ -13,8 +13,8 @@ pub enum TraceError {
     /// The trace ends before the averaging window does.
     #[error(
         "the trace ends at {end_s:.4} s, with a sample every {} s: expected one that covers the window up to {window_end_s} s, or \
-         another window, window_s in [traces] or --window-s; if the trace was longer, time is in another unit than its title says, as \
-         `Time [s]`", significant(*pause_s, 3)
+         another window, window_s in [traces] or --window-s; if the trace was longer, time is in a larger unit than its title says, as \
+         `Time [min]` where it says [s]", significant(*pause_s, 3)
     )]
     TooShort {
         /// Time of the last sample, in seconds since the trace begins.
@@ -27,7 +27,7 @@ pub enum TraceError {
     /// The window has too few samples for a mean with a standard error.
     #[error(
         "the window holds {found} samples, one every {} s: expected at least {expected}; if they were recorded faster, time \
-         is in another unit than its title says, as `Time [s]`",
+         is in a smaller unit than its title says, as `Time [ms]` where it says [s]",
         significant(*pause_s, 3)
     )]
     TooFewSamples {

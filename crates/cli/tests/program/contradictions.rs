@@ -104,6 +104,15 @@ fn a_modulus_in_megapascals_is_named_before_anything_runs() {
 }
 
 #[test]
+fn forces_and_speeds_in_each_others_column_are_named() {
+    let flat = FLAT.replace("50,2,15,0.248,0.002", "2,50,15,0.248,0.002");
+    let place = Place::with(&[("c.toml", CALIBRATION), ("flat.csv", &flat)]);
+    let refused = place.refuse(&["calibrate", "c.toml"]);
+    assert!(refused.contains("flat.csv:2: (2 N, 50 mm/s, 15 %): 50 mm/s is too fast"), "{refused}");
+    assert!(refused.contains("; with force_n and speed_mm_s in each other's place, 50 N at 2 mm/s"), "{refused}");
+}
+
+#[test]
 fn full_contact_and_measured_friction_may_fall_with_pressure() {
     let scene = |factor: &str| SCENE.replace("factor = [1.0, 0.96, 0.90, 0.60]", &format!("factor = {factor}"));
     // Full contact, and friction that was measured, which may fall.

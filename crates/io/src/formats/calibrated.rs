@@ -19,7 +19,7 @@ use crate::formats::altitude_map::{law_warnings, refuse_law};
 use crate::formats::calibration::Calibration;
 use crate::formats::design::Design;
 use crate::formats::material::read_known;
-use crate::formats::plausible::MODULUS;
+use crate::formats::plausible::{FORCE, MODULUS, SPEED};
 use crate::formats::source::Source;
 use crate::formats::surface::NamedMap;
 use crate::formats::written_material::material_toml;
@@ -215,16 +215,28 @@ fn refuse_fit(
         FitError::TooFast { most_m_s, modulus_pa, most_modulus_pa, .. } => {
             let most_mm_s = significant_to(SPEED_MM_S.from_si(*most_m_s), 2, f64::floor);
             let [modulus_gpa, most_gpa] = [*modulus_pa, *most_modulus_pa].map(|pa| tidy(MODULUS_GPA.from_si(pa)));
-            let slip = MODULUS.within([0.0, most_gpa]).slip(modulus_gpa);
+            let least_gpa = MODULUS.measurable[0];
+            let slip = MODULUS.within([least_gpa, most_gpa]).slip(modulus_gpa);
             let slip = slip.map_or_else(String::new, |slip| format!(" ({slip})"));
-            let most_gpa = significant_to(most_gpa, 2, f64::floor);
+            let modulus = match significant_to(most_gpa, 2, f64::floor) {
+                most_gpa if most_gpa >= least_gpa => format!(", or youngs_modulus_gpa of at most {most_gpa}{slip}"),
+                _ => String::new(),
+            };
             // The highest speed is proportional to the pressure.
             let force = measurement.map_or_else(String::new, |row| {
                 let least_n = significant_to(row.force_n * row.speed_m_s / most_m_s, 2, f64::ceil);
                 format!("force_n of at least {least_n}, ")
             });
-            change =
-                format!("{force}speed_mm_s of at most {most_mm_s}, or youngs_modulus_gpa of at most {most_gpa}{slip}");
+            // Exchanged, the speed in mm/s is the force in newtons and the reverse.
+            let exchanged = measurement.map_or_else(String::new, |row| {
+                let (force_n, speed_mm_s) = (tidy(SPEED_MM_S.from_si(row.speed_m_s)), row.force_n);
+                let is_usual = FORCE.judge(force_n) == Ok(None) && SPEED.judge(speed_mm_s) == Ok(None);
+                let fits = SPEED_MM_S.to_si(speed_mm_s) <= most_m_s * force_n / row.force_n;
+                let words =
+                    || format!("; with force_n and speed_mm_s in each other's place, {force_n} N at {speed_mm_s} mm/s");
+                if is_usual && fits { words() } else { String::new() }
+            });
+            change = format!("{force}speed_mm_s of at most {most_mm_s}{modulus}{exchanged}");
             &change
         }
         FitError::NotQuasiStatic { .. } => {

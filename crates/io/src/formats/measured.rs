@@ -120,7 +120,11 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
         told.extend(SPEED.check(speed_mm_s, || row.at("speed_mm_s", speed_mm_s))?);
         told.extend(PRESSURE.check(pressure_mpa, || by_area(pressure_mpa, "MPa"))?);
         let strain = pressure_pa / specimens.modulus_pa;
-        told.extend(STRAIN.check(strain, || by_area(strain, "of Young's modulus"))?);
+        let strained = STRAIN.check(strain, || by_area(strain, "of Young's modulus"));
+        told.extend(strained.map_err(|refused| match (FORCE.slip(measured.force_n), refused.expected.clone()) {
+            (Some(slip), Some(expected)) => refused.expected(format!("{expected}; {slip}")),
+            _ => refused,
+        })?);
         told.extend(FRICTION.check(measured.mu_dynamic, || row.at("mu_dynamic", measured.mu_dynamic))?);
         told.extend(check_deviation(
             row,
@@ -349,6 +353,8 @@ mod tests {
         assert_eq!(kilonewtons.len(), 1, "{kilonewtons:?}");
         assert!(kilonewtons[0].starts_with("flat.csv:3: force_n: 0.2 is the greatest of its table"), "{kilonewtons:?}");
         assert!(kilonewtons[0].contains("0.00255 MPa") && kilonewtons[0].ends_with("in kN, that would be 200 N"));
+        let refused = check(&[row_of(50e3, 2e-3, 2)], &specimens).unwrap_err().to_string();
+        assert!(refused.ends_with("in mN, that would be 50 N"), "{refused}");
         let metres = said(&[row_of(50.0, 4e-6, 2), row_of(200.0, 2e-6, 3)]);
         assert_eq!(metres.len(), 1, "{metres:?}");
         assert!(metres[0].starts_with("flat.csv:2: speed_mm_s: 0.004 is the greatest of its table"), "{metres:?}");

@@ -7,6 +7,7 @@ use slipgrid_infer::calibrate::{Measurement, StaticPeak};
 use crate::formats::diagnostic::{Diagnostic, nearest};
 use crate::formats::material::existing;
 use crate::formats::measured::Placed;
+use crate::formats::plausible::slip;
 use crate::formats::source::read_letters;
 use crate::formats::{Document, Spanned};
 use slipgrid_base::units::{
@@ -140,15 +141,16 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Placed>, Diagnostic> {
                 let name = COLUMNS.get(point.column).map(|column| column.0);
                 return Err(refuse(point.line, name, Some(&point.number), reason).expected(DecimalSigns::EXPECTED));
             }
-            let reason = match number {
+            let (reason, slip) = match number {
                 Some(value) if quantity.accepts(value) => {
                     values[column] = Some(quantity.to_si(value));
                     continue;
                 }
-                Some(_) => "is out of range",
-                None => "is no number",
+                Some(value) => ("is out of range", slip(quantity, value)),
+                None => ("is no number", None),
             };
-            return Err(refuse(line, Some(name), Some(bare), reason.into()).expected(quantity.to_string()));
+            let slip = slip.map_or_else(String::new, |slip| format!("; {slip}"));
+            return Err(refuse(line, Some(name), Some(bare), reason.into()).expected(format!("{quantity}{slip}")));
         }
         let [required @ .., mu_static, mu_static_std, sliding_m, order] = values;
         // Empty cells of required columns have been refused.
@@ -327,6 +329,10 @@ mod tests {
             (String::new(), "a.csv: has no header line"),
             (header.to_owned(), "a.csv: has no rows"),
             (format!("{header}\n50,2,15,NaN,0.01"), "a.csv:2: mu_dynamic: \"NaN\" is out of range"),
+            (
+                format!("{header}\n50,2,15,27,0.01"),
+                "a.csv:2: mu_dynamic: \"27\" is out of range; expected a number above 0 up to 10; in per cent, that would be 0.27",
+            ),
             (
                 format!("{header},mu_static_std\n50,2,15,0.2,0.01,0.1"),
                 "a.csv:2: mu_static_std: stands without mu_static",

@@ -34,7 +34,20 @@ pub const FRICTION: Plausible = Plausible {
     measurable: [1e-3, 10.0],
     usual: [0.01, 3.0],
     why: "graphite slides at 0.01, rubber at 3, clean metals in vacuum at 10",
-    slips: &[("a torque in N mm or mN m read as N m, or a force in mN as N: that", 1e-3), ("in per cent, that", 1e-2)],
+    slips: &[("in per cent, that", 1e-2)],
+};
+/// Plausible friction coefficients computed from a recorded friction force.
+pub const FRICTION_OF_FORCE: Plausible = Plausible {
+    slips: &[("with the friction force in mN, as `Fx [mN]`, that", 1e-3), ("in kN, as `Fx [kN]`, that", 1e3)],
+    ..FRICTION
+};
+/// Plausible friction coefficients computed from a recorded torque.
+pub const FRICTION_OF_TORQUE: Plausible = Plausible {
+    slips: &[
+        ("with the torque in N mm or mN m, as `torque [mN m]`, that", 1e-3),
+        ("with the torque in N m, as `torque [N m]`, that", 1e3),
+    ],
+    ..FRICTION
 };
 /// Plausible Young's moduli of specimens, in GPa.
 pub const MODULUS: Plausible = Plausible {

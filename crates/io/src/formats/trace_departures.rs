@@ -1,11 +1,12 @@
 //! Describes deviations of a trace from its condition, and unused columns of exports whose titles are similar to known ones.
 
-use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, significant, tidy};
 use slipgrid_traces::columns::{Channel, Titles};
 use slipgrid_traces::export::{Recorded, TraceFile, titles_in};
 use slipgrid_traces::{Tangential, TraceFindings, lag_of_friction, speed_of_position};
 use strsim::levenshtein;
 
+use crate::formats::plausible::{FRICTION, FRICTION_OF_FORCE, FRICTION_OF_TORQUE};
 use crate::formats::traces::TraceCondition;
 
 /// A recorded speed that deviates from the nominal speed by more than this fraction gives a warning.
@@ -72,11 +73,49 @@ pub(crate) fn departures(
     flags
 }
 
+/// Checks the friction coefficient `mu` under `force_n` by the quantity that was recorded: a warning if it is unusual.
+///
+/// # Errors
+/// What is accepted, with the unit or the quantity that the column probably has, if such friction cannot be measured.
+pub(crate) fn judge_friction(recorded: &Tangential, mu: f64, force_n: f64) -> Result<Option<String>, String> {
+    let (judge, other, other_mu) = match recorded {
+        Tangential::ForceN(_) => (FRICTION_OF_FORCE, "as a friction coefficient, it", mu * force_n),
+        Tangential::TorqueNm(_) => (FRICTION_OF_TORQUE, "", f64::NAN),
+        Tangential::Coefficient(_) => (FRICTION, "as a friction force in N, it", mu / force_n),
+    };
+    let is_other = FRICTION.judge(other_mu) == Ok(None);
+    let with = |words: String| {
+        if is_other { format!("{words}; {other} would be {}", significant(other_mu, 3)) } else { words }
+    };
+    judge.judge(mu).map(|told| told.map(with)).map_err(with)
+}
+
+/// Reason to refuse a trace whose friction force and coefficient stand in each other's column; `None` otherwise.
+pub(crate) fn exchanged_coefficient(
+    condition: &TraceCondition,
+    repeat: &Recorded,
+    findings: &TraceFindings,
+) -> Option<String> {
+    let own = repeat.usual_coefficient(condition.window_s)?;
+    let (mu, force_n) = (findings.window.mu, findings.normal_force_n);
+    // The friction column holds the coefficient, and the coefficient column the force.
+    let is_exchanged = matches!(repeat.channels.tangential, Tangential::ForceN(_))
+        && !(0.5..=2.0).contains(&(own / mu))
+        && (own / (mu * force_n * force_n) - 1.0).abs() <= COEFFICIENT_OFF;
+    is_exchanged.then(|| {
+        format!(
+            "the friction force is {} N and the friction coefficient {}: they are likely in each other's place",
+            significant(mu * force_n, 3),
+            significant(own, 3)
+        )
+    })
+}
+
 /// Warns if the friction coefficient recorded by the instrument differs from that computed from torque or force.
 fn coefficient_off(condition: &TraceCondition, repeat: &Recorded, findings: &TraceFindings) -> Option<String> {
     // The instrument does not subtract the zero.
     let own = repeat.usual_coefficient(condition.window_s).filter(|_| condition.zero_s.is_none())?;
-    let (mu, force_n) = (findings.window.mu, findings.normal_force_n);
+    let mu = findings.window.mu;
     if (own / mu - 1.0).abs() <= COEFFICIENT_OFF {
         return None;
     }
@@ -87,11 +126,6 @@ fn coefficient_off(condition: &TraceCondition, repeat: &Recorded, findings: &Tra
         (_, true) => (Channel::FrictionForce, "the stated force", "the stated force or a channel is wrong"),
         (_, false) => (Channel::FrictionForce, "normal force", "a channel or its unit is wrong"),
     };
-    // If exchanged, the friction column holds the coefficient, and the coefficient column the force.
-    let is_exchanged =
-        channel == Channel::FrictionForce && (own / (mu * force_n * force_n) - 1.0).abs() <= COEFFICIENT_OFF;
-    let wrong =
-        if is_exchanged { "friction force and friction coefficient are likely in each other's place" } else { wrong };
     Some(format!(
         "the recorded friction coefficient is {own:.4}, {:.2} times the {mu:.4} of {} / {divisor}: {wrong}",
         own / mu,

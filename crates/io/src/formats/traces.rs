@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use slipgrid_base::units::significant;
 use slipgrid_infer::calibrate::{Measurement, StaticPeak};
 use slipgrid_traces::columns::Titles;
 use slipgrid_traces::export::{ExportOptions, Recorded, TraceFile, parse};
@@ -13,9 +14,10 @@ use slipgrid_traces::{
 
 use super::measured::Placed;
 pub use super::trace_notes::notes;
-use crate::formats::plausible::FRICTION;
 use crate::formats::source::{Source, read_letters};
-use crate::formats::trace_departures::{departures, near_missing_title, near_titles, stands_still};
+use crate::formats::trace_departures::{
+    departures, exchanged_coefficient, judge_friction, near_missing_title, near_titles, stands_still,
+};
 use crate::formats::{Diagnostic, Document};
 
 /// The surface of a specimen.
@@ -266,23 +268,26 @@ pub(crate) fn analyse_among(
             }
             match analyse(&repeat.channels, &options) {
                 Ok(findings) => {
+                    if let Some(reason) = exchanged_coefficient(condition, repeat, &findings) {
+                        let expected = "the quantity of each column in its title, or `columns` in [traces]";
+                        refused.push(Diagnostic::file(path, format!("{which}{reason}")).expected(expected));
+                        continue;
+                    }
                     let mut flags: Vec<String> = findings.flags.iter().map(|flag| words_of(flag, repeat)).collect();
                     flags.extend(departures(condition, repeat, &findings, &file));
                     flags.extend_from_slice(&near_titles);
-                    let mu = findings.window.mu;
-                    match FRICTION.judge(mu) {
-                        Ok(told) => flags.extend(told.map(|reason| format!("mu {mu:.4} {reason}"))),
+                    let mu = significant(findings.window.mu, 3);
+                    match judge_friction(&repeat.channels.tangential, mu, findings.normal_force_n) {
+                        Ok(told) => flags.extend(told.map(|reason| format!("mu {mu} {reason}"))),
                         Err(expected) => {
-                            let reason = format!("{which}friction is {mu:.4} in the window, which cannot be");
+                            let reason = format!("{which}friction is {mu} in the window, which cannot be");
                             let broken = findings.flags.iter().find(|flag| matches!(flag, TraceFlag::Broken { .. }));
                             refused.push(match broken {
                                 Some(broken) => {
                                     let reason = format!("{reason}: {}", words_of(broken, repeat));
                                     Diagnostic::file(path, reason).expected("readings of friction and load alone")
                                 }
-                                None => Diagnostic::file(path, reason).expected(format!(
-                                    "{expected}; the unit of a column stands in its name, as `torque_mnm`"
-                                )),
+                                None => Diagnostic::file(path, reason).expected(expected),
                             });
                             continue;
                         }

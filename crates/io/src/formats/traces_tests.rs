@@ -98,9 +98,39 @@ fn a_recorded_coefficient_that_contradicts_the_forces_is_told() {
     );
     let exchanged = "time,COF,Fx [N],Fz\n".to_owned()
         + &lines(101, |t, ripple| format!("{t:.1},{:.5},{:.5},10", 2.5 * ripple, 0.25 * ripple));
+    let refused = read(&exchanged, "", &[(100, "")]).unwrap_err();
+    let says = "the friction force is 0.25 N and the friction coefficient 2.5: they are likely in each other's place";
+    assert!(refused.contains(says), "{refused}");
+}
+
+#[test]
+fn friction_that_cannot_be_is_refused_with_the_unit_or_the_quantity_that_was_recorded() {
+    for (header, friction, says) in [
+        ("time,COF,Fz", 25.0, "friction is 25 in the window, which cannot be; "),
+        ("time,COF,Fz", 25.0, "; in per cent, that would be 0.25"),
+        ("time,COF", 25.0, "; in per cent, that would be 0.25"),
+        ("time,COF,Fz", 12.0, "; as a friction force in N, it would be 1.2"),
+        ("time,Fx,Fz", 2100.0, "; with the friction force in mN, as `Fx [mN]`, that would be 0.21"),
+        ("time,Fx,Fz", 0.0021, "friction is 0.00021 in the window"),
+        ("time,Fx,Fz", 0.0021, "; in kN, as `Fx [kN]`, that would be 0.21"),
+        ("time,torque,Fz", 80.0, "; with the torque in N mm or mN m, as `torque [mN m]`, that would be 0.21"),
+        ("time,torque [mN m],Fz", 0.08, "; with the torque in N m, as `torque [N m]`, that would be 0.21"),
+    ] {
+        let export = format!("{header}\n") + &lines(101, |t, ripple| format!("{t:.1},{:.8},10", friction * ripple));
+        let refused = read(&export, "effective_radius_mm = 38.1", &[(100, "")]).unwrap_err();
+        assert!(refused.contains(says), "{header} {friction}: {refused}");
+        assert_eq!(refused.contains("torque"), header.contains("torque"), "{refused}");
+    }
+    // Friction as of graphite may be a coefficient in the column of the force.
+    let coefficient = "time,Fx,Fz\n".to_owned() + &lines(101, |t, ripple| format!("{t:.1},{:.5},10", 0.05 * ripple));
+    let told = notes_of(&coefficient, "");
     assert!(
-        notes_of(&exchanged, "").contains("friction force and friction coefficient are likely in each other's place")
+        told.contains("mu 0.005 is unusual") && told.contains("; as a friction coefficient, it would be 0.05"),
+        "{told}"
     );
+    let exchanged = "time,Fz,COF\n".to_owned() + &lines(101, |t, ripple| format!("{t:.1},{:.5},10", 0.25 * ripple));
+    let refused = read(&exchanged, "", &[(100, "")]).unwrap_err();
+    assert!(refused.contains("normal force and friction coefficient are likely in each other's place"), "{refused}");
 }
 
 #[test]
