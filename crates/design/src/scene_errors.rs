@@ -6,12 +6,14 @@ use crate::results::errors::{
 use crate::results::{CorrectedAt, CorrectedReport, ErrorsReport};
 use slipgrid_base::units::{PRESSURE_MPA, tidy};
 use slipgrid_infer::calibrate::uncertainty::{
-    Deviation, Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, local_law_changes, phase_scatter,
+    Deviation, Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, local_law_changes,
     sampling_scatter,
 };
 use slipgrid_infer::discrepancy::{Features, Sensitivity};
 use slipgrid_model::material::{Condition, MaterialError};
-use slipgrid_model::springblock::{Correction, Effect, Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
+use slipgrid_model::springblock::{
+    Correction, Effect, Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome, phase_scatter,
+};
 
 use crate::inputs::FLAT_FRICTION;
 use crate::sensitivities::usual_humidity;

@@ -77,6 +77,7 @@ pub use cell::{CellOutcome, SteadyCell};
 pub(crate) use columns::Column;
 pub use dimension::Dimension;
 pub(crate) use draws::Coefficients;
+pub use draws::phase_scatter;
 pub use dynamics::{
     MAX_EXTENSION_FOR_STDERR, MAX_STEPS, WAVE_DEFICIT, even_speed_m_s, max_run_speed_m_s, run_speed_m_s,
     shear_modulus_pa, shear_period_s, warm_travel_m,

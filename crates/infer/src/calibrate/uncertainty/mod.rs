@@ -22,7 +22,7 @@ pub use first_order_propagation::{Deviation, Deviations, ScaleShift, Slopes, mov
 pub(crate) use local_law::flat_friction;
 pub use local_law::{local_law, local_law_changes, with_local_law};
 pub use material_uncertainty::{CoefficientEstimate, MaterialUncertainty};
-pub use sampling_scatter::{SamplingScatter, phase_scatter, sampling_scatter};
+pub use sampling_scatter::{SamplingScatter, sampling_scatter};
 
 use crate::discrepancy::Prediction;
 

@@ -1,16 +1,6 @@
 //! Sampling scatter of friction from the random draw of local coefficients.
 
-use slipgrid_model::material::LocalFriction;
-use slipgrid_model::springblock::{Dimension, LoadOutcome, SurfaceOutcome};
-
-/// Relative scatter of dynamic friction, and of its ratio, over mu_s/mu_d - 1, in the plane and in space.
-///
-/// Which blocks stick together depends on the phases at the start and on the thresholds drawn, and hardly changes during
-/// a run: the mean of a run ten times as long scatters as much between seeds. Neighbours in the plane move together, so
-/// that a longer strip does not average this out. Found from 8 seeds each of two cells and a strip in the plane and of
-/// three cells in space, with relative standard deviations of the coefficients of 0 to 0.05, mu_s/mu_d of 1.1 to 1.5 and
-/// travels of 0.1 to 1 um: 0.005 to 0.012 and 0.001 to 0.003.
-const PHASE_SCATTER: [f64; 2] = [0.01, 0.0025];
+use slipgrid_model::springblock::{LoadOutcome, SurfaceOutcome};
 
 /// Relative standard deviations between runs with different draws of the local coefficients; `None` if a run has no
 /// friction.
@@ -41,13 +31,6 @@ pub fn sampling_scatter(load: &LoadOutcome, scatter: f64) -> SamplingScatter {
     let flat = blocks.map(|blocks| 1.0 / blocks as f64);
     let std = |square: f64| scatter * square.max(0.0).sqrt();
     SamplingScatter { ratio: own.zip(flat).map(|(own, flat)| std(own - flat)), mu: own.map(std), flat: flat.map(std) }
-}
-
-/// Relative scatter of dynamic friction and of its ratio between runs that differ in the phases of stick-slip, for blocks
-/// with the coefficients `friction`. The standard error from the fluctuations within one run does not contain it.
-pub fn phase_scatter(friction: &LocalFriction, dimension: Dimension) -> f64 {
-    let drop = (friction.static_mean() / friction.dynamic_mean() - 1.0).max(0.0);
-    drop * PHASE_SCATTER[usize::from(dimension == Dimension::Space)]
 }
 
 /// Sum of w_i^2, with the share w_i of each block in friction: the inverse of the effective number of blocks that carry
