@@ -92,7 +92,7 @@ fn a_scene_without_errors_shows_those_of_its_run_alone_and_says_so() {
     let found = place.json(&["simulate", "out/a/scene.toml", "--json"]);
     let (at, run) = (&found["errors"]["by_pressure"][0], &found["results"][0]);
     let own = number(&run["ratio_stderr"]);
-    let effects = ["layout on the specimen", "sliding in time", "size of blocks"];
+    let effects = ["layout on the specimen", "sliding in time", "size of blocks", "phases of stick-slip"];
     let own = effects.iter().fold(own, |own, effect| own.hypot(part(&at["ratio"], effect)));
     let of_blocks = number(&correction(run, "size of blocks").unwrap()["std"]);
     assert!((part(&at["ratio"], "size of blocks") / of_blocks - 1.0).abs() < 1e-6);

@@ -424,7 +424,7 @@ mod tests {
     #[test]
     fn mistaken_units_are_named() {
         for (quantity, value, says) in [
-            (FRICTION, 143.0, "would be 0.143"),
+            (FRICTION_OF_TORQUE, 143.0, "with the torque in N mm or mN m, as `torque [mN m]`, that would be 0.143"),
             (MODULUS, 380.0, "in MPa, that would be 0.38 GPa"),
             (MODULUS, 3.8e8, "in Pa, that would be 0.38 GPa"),
             (RATIO, 8.199, "one place to the left it would be 0.8199"),

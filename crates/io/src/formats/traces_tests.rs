@@ -116,7 +116,8 @@ fn friction_that_cannot_be_is_refused_with_the_unit_or_the_quantity_that_was_rec
         ("time,torque,Fz", 80.0, "; with the torque in N mm or mN m, as `torque [mN m]`, that would be 0.21"),
         ("time,torque [mN m],Fz", 0.08, "; with the torque in N m, as `torque [N m]`, that would be 0.21"),
     ] {
-        let export = format!("{header}\n") + &lines(101, |t, ripple| format!("{t:.1},{:.8},10", friction * ripple));
+        let load = if header.ends_with("Fz") { ",10" } else { "" };
+        let export = format!("{header}\n") + &lines(101, |t, ripple| format!("{t:.1},{:.8}{load}", friction * ripple));
         let refused = read(&export, "effective_radius_mm = 38.1", &[(100, "")]).unwrap_err();
         assert!(refused.contains(says), "{header} {friction}: {refused}");
         assert_eq!(refused.contains("torque"), header.contains("torque"), "{refused}");

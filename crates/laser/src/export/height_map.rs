@@ -213,7 +213,7 @@ mod tests {
             {
                 let pattern = Pattern::new(texture, width_m, spacing_m, 5.2e-6).unwrap();
                 for layout in [Layout::new(pattern, outline).unwrap(), Layout::clipped(pattern, outline).unwrap()] {
-                    for pixel_um in pixels_um.map(|pixel_um| pixel_um.min(pattern.least_extent_m() * 1e6)) {
+                    for pixel_um in pixels_um.map(|pixel_um: f64| pixel_um.min(pattern.least_extent_m() * 1e6)) {
                         let cut = [None, Some(60.0)].map(|taper_deg| compared(&layout, taper_deg, pixel_um));
                         assert!(pixel_um > 50.0 || cut.iter().all(|&cut| cut > 100), "{layout:?}: {cut:?}");
                     }

@@ -104,10 +104,12 @@ impl AreaLaw {
     }
 
     /// Computes the law from a curve of real contact area fraction against pressure. The law is tabulated at the
-    /// threshold P0 = `threshold_pa`, one of the curve's pressures, and at those above it.
+    /// threshold P0 = `threshold_pa` and at the pressures of the curve above it.
+    ///
+    /// A(P0) is interpolated linearly if `threshold_pa` is not tabulated.
     ///
     /// # Errors
-    /// [`MaterialError`] if the threshold is not among the pressures, or the curve is not a valid table.
+    /// [`MaterialError`] if the curve does not bracket the threshold, or is not a valid table.
     pub fn from_area_curve(
         pressure_pa: &[f64],
         area_fraction: &[f64],
@@ -118,10 +120,16 @@ impl AreaLaw {
         increasing(CURVE, pressure_pa)?;
         same_length(CURVE, pressure_pa.len(), area_fraction.len())?;
         positive(THRESHOLD, threshold_pa)?;
-        let Some(place) = pressure_pa.iter().position(|&p| p == threshold_pa) else {
-            return Err(MaterialError::out_of_range(THRESHOLD, threshold_pa, "a pressure of the contact area curve"));
+        let above = pressure_pa.partition_point(|&p| p < threshold_pa);
+        if above == pressure_pa.len() || (above == 0 && pressure_pa[0] > threshold_pa) {
+            let expected = "a pressure within the contact area curve";
+            return Err(MaterialError::out_of_range(THRESHOLD, threshold_pa, expected));
+        }
+        let threshold_area = if pressure_pa[above] == threshold_pa {
+            area_fraction[above]
+        } else {
+            interpolate(&pressure_pa[above - 1..=above], &area_fraction[above - 1..=above], threshold_pa)
         };
-        let threshold_area = area_fraction[place];
         positive("contact area at the threshold", threshold_area)?;
 
         let mut law_pressure_pa = vec![threshold_pa];
@@ -231,6 +239,12 @@ impl AreaLaw {
     }
 }
 
+/// Value at `at` of the line through the points (`x[0]`, `y[0]`) and (`x[1]`, `y[1]`).
+fn interpolate(x: &[f64], y: &[f64], at: f64) -> f64 {
+    let t = (at - x[0]) / (x[1] - x[0]);
+    y[0] + t * (y[1] - y[0])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -243,7 +257,7 @@ mod tests {
     #[test]
     fn factor_follows_the_line_through_the_origin() {
         // Area proportional to pressure up to 1.4 MPa and constant above: f = 1, then falling as 1/p.
-        let law = AreaLaw::from_area_curve(&[0.35e6, 0.7e6, 1.4e6, 2.8e6], &[0.1, 0.2, 0.4, 0.4], 0.7e6).unwrap();
+        let law = AreaLaw::from_area_curve(&[0.35e6, 1.05e6, 1.4e6, 2.8e6], &[0.1, 0.3, 0.4, 0.4], 0.7e6).unwrap();
         assert_eq!(law.pressures_pa()[0], 0.7e6);
         for (p, f) in [(0.1e6, 1.0), (0.7e6, 1.0), (1.4e6, 1.0), (2.8e6, 0.5), (5.6e6, 0.25), (2.1e6, 0.75)] {
             assert!((law.factor(p) - f).abs() < 1e-12, "{p}");
@@ -322,6 +336,6 @@ mod tests {
         assert!(says(AreaLaw::new(vec![1e6], vec![1.0, 1.0]), "values"));
         assert!(says(AreaLaw::new(vec![1e6], vec![f64::NAN]), "expected"));
         assert!(AreaLaw::from_area_curve(&[1e6, 2e6], &[0.3, 0.5], 0.7e6).is_err());
-        assert!(AreaLaw::from_area_curve(&[0.1e6, 1e6], &[0.3, 0.5], 0.7e6).is_err());
+        assert!(AreaLaw::from_area_curve(&[0.1e6, 0.2e6], &[0.3, 0.5], 0.7e6).is_err());
     }
 }
