@@ -117,13 +117,19 @@ fn load(problem: &Problem, measured: &Measurement, friction: LocalFriction) -> L
     Load { pressure_pa: problem.pressure_pa(measured), friction }
 }
 
-/// Friction of the flat sample in steady sliding, one per measurement.
-pub fn steady(problem: &Problem, pairs: &Pairs) -> Result<Vec<f64>, FitError> {
-    let loads = problem.measurements.iter().zip(pairs).map(|(measured, pair)| load(problem, measured, *pair)).collect();
+/// Friction of the flat sample in steady sliding; measurements that do not represent themselves in `representatives` get
+/// the friction of their representative.
+pub fn steady(problem: &Problem, pairs: &Pairs, representatives: &[usize]) -> Result<Vec<f64>, FitError> {
+    let own: Vec<usize> = (0..pairs.len()).filter(|&i| representatives[i] == i).collect();
+    let loads = own.iter().map(|&i| load(problem, &problem.measurements[i], pairs[i])).collect();
     // Steady sliding does not depend on speed.
     let scene = scene(problem, problem.measurements[0].speed_m_s, loads, RunOptions::default());
     let simulation = simulate(&scene, &slipgrid_model::springblock::Unwatched)?;
-    simulation.loads.iter().enumerate().map(|(place, outcome)| dynamic_friction(place, outcome)).collect()
+    let mut found = vec![0.0; pairs.len()];
+    for (&i, outcome) in own.iter().zip(&simulation.loads) {
+        found[i] = dynamic_friction(i, outcome)?;
+    }
+    Ok(representatives.iter().map(|&i| found[i]).collect())
 }
 
 /// Dynamic friction of the measurement with index `place`, from 0.

@@ -87,11 +87,12 @@ impl<'a> Emulator<'a> {
 fn solve_ends(problem: &Problem, loads: &[AtLoad], log_scale: f64) -> Result<Vec<[f64; 3]>, FitError> {
     let solved = Problem { area_law: problem.law_at(log_scale.exp())?, ..problem.clone() };
     let law = solved.area_law.as_ref();
+    let all: Vec<usize> = (0..loads.len()).collect();
     let at_node = |node: usize| -> Result<Vec<f64>, FitError> {
         let pair = |load: &AtLoad| LocalFriction::new(load.nodes[node], load.nodes[node], problem.relative_std);
         let pairs = loads.iter().map(pair).collect::<Result<_, _>>()?;
         // An error names the first measurement at the load.
-        let found = flat_sample::steady(&solved, &pairs).map_err(|error| match error {
+        let found = flat_sample::steady(&solved, &pairs, &all).map_err(|error| match error {
             FitError::NoSliding { number, pressure_pa, status } => {
                 FitError::NoSliding { number: loads[number - 1].first + 1, pressure_pa, status }
             }

@@ -135,10 +135,10 @@ impl Runs {
         let pairs = layout.pairs(problem, parameters)?;
         let (area_law, _) = layout.law(problem, parameters)?;
         let problem = Problem { area_law, ..problem.clone() };
-        let steady = flat_sample::steady(&problem, &pairs)?;
         let representatives = flat_sample::representatives(&problem, &pairs);
+        let steady = flat_sample::steady(&problem, &pairs, &representatives)?;
         let dynamic = flat_sample::dynamic(&problem, &pairs, &representatives, monitor)?;
-        let delta = dynamic.iter().zip(&representatives).map(|(d, &place)| d.mu_dynamic / steady[place]).collect();
+        let delta = dynamic.iter().zip(&steady).map(|(run, steady)| run.mu_dynamic / steady).collect();
         Ok(Self { problem, pairs, representatives, dynamic, delta })
     }
 

@@ -381,7 +381,7 @@ fn one_run_stands_for_all_at_its_load_and_speed() {
     let of = |factor: f64| vec![LocalFriction::new(0.3 * factor, 0.27 * factor, 0.05).unwrap(); 3];
     let deltas = |pairs: &Pairs| -> Vec<[f64; 2]> {
         let runs = flat_sample::dynamic(&problem, pairs, &[0, 1, 2], &Unwatched).unwrap();
-        let steady = flat_sample::steady(&problem, pairs).unwrap();
+        let steady = flat_sample::steady(&problem, pairs, &[0, 1, 2]).unwrap();
         runs.iter().zip(&steady).map(|(run, steady)| [run.mu_dynamic / steady, run.stderr / steady]).collect()
     };
     let own = deltas(&of(1.0));

@@ -42,7 +42,11 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     let clean: Vec<f64> = {
         let exact = Problem { area_law: problem.law_at(scale_pa).unwrap(), ..problem.clone() };
         let pairs = vec![LocalFriction::new(0.275, truth, 0.05).unwrap(); count];
-        flat_sample::steady(&exact, &pairs).unwrap().iter().map(|mu| 1.015 * mu).collect()
+        flat_sample::steady(&exact, &pairs, &(0..count).collect::<Vec<_>>())
+            .unwrap()
+            .iter()
+            .map(|mu| 1.015 * mu)
+            .collect()
     };
     let settings = problem.clone();
     let emulator = Emulator::new(&settings, &means, &Unwatched).unwrap();
@@ -82,7 +86,8 @@ fn the_emulator_is_the_steady_sample() {
     for (mean, scale_pa) in [(0.25, 6e6), (0.22, 1.3e6), (0.3, 20e6)] {
         let law = problem.law_at(scale_pa).unwrap();
         let exact = Problem { area_law: law.clone(), ..problem.clone() };
-        let solved = flat_sample::steady(&exact, &vec![LocalFriction::new(0.3, mean, 0.05).unwrap(); 6]).unwrap();
+        let pairs = vec![LocalFriction::new(0.3, mean, 0.05).unwrap(); 6];
+        let solved = flat_sample::steady(&exact, &pairs, &[0, 1, 2, 3, 4, 5]).unwrap();
         for (i, mu) in solved.iter().enumerate() {
             let emulated = emulator.steady(i, mean, law.as_ref(), scale_pa.ln());
             // A tenth of the smallest measured standard deviation, on a specimen whose ends make up a tenth.
