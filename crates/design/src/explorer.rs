@@ -214,7 +214,7 @@ impl Explorer {
             numbers
         };
         let beside_of = |pattern: &Pattern, run: Option<&Simulation>| {
-            let answer = search.table.at(pattern)?.1;
+            let answer = search.table.answer(pattern)?;
             let peak_pa = run.map_or_else(|| answer.peak_pressure_pa(), Simulation::peak_pressure_pa);
             Some([
                 PRESSURE_MPA.from_si(peak_pa).ln(),

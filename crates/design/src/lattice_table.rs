@@ -35,7 +35,7 @@ impl Lattice {
         let patterns = lattice(search.task);
         let sample = |pattern: &Pattern| {
             let found = search.roughly(pattern).filter(|_| !search.stage.cancelled())?;
-            let limited = search.task.limited(pattern, &search.table.at(pattern)?.1).ok()?;
+            let limited = search.task.limited(pattern, &search.table.answer(pattern)?).ok()?;
             let medians = found.medians();
             let medians = medians.iter().zip(&search.asked.bands).map(|(ratio, band)| ratio * band.flat);
             let keeps_limits = found.texture.excess == 0.0;

@@ -20,6 +20,7 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, tilt_relative_error};
 
 use self::progress::Progress;
+use crate::DesignError;
 use crate::as_cut::{BeyondCells, CutTexture, Known};
 use crate::band::Asked;
 use crate::confirmation::{confirming_scene, run_in_time};
@@ -138,8 +139,9 @@ impl Search<'_> {
 
     /// Like [`Self::interpolated`], with `peak` times the peak pressure of the cell.
     fn interpolated_with(&self, pattern: &Pattern, peak: f64) -> Option<CutTexture> {
-        let (modelled, answer) = self.table.at(pattern)?;
-        let shifts = self.table.dimension_shifts(pattern, &self.task.tolerances.unwrap_or_default())?;
+        let laid = self.table.lay(pattern)?;
+        let (modelled, answer) = self.table.at(pattern, &laid)?;
+        let shifts = self.table.dimension_shifts(pattern, &laid, &self.task.tolerances.unwrap_or_default())?;
         let texture = CutTexture::interpolated(*pattern, modelled, shifts);
         let texture = texture.moved(&self.table.by_blocks(pattern)).moved(&self.table.by_face(pattern));
         let answer = Answer { peak_pressure_mpa: peak * answer.peak_pressure_mpa, ..answer };
@@ -240,7 +242,7 @@ impl Search<'_> {
         let modelled = self.models.at(pattern)?;
         let mut ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
         let content = (self.models.own.content(), pattern);
-        let refine = || self.models.refined(pattern).ok_or(());
+        let refine = || self.models.refined(pattern, false).ok_or(());
         let refined = cached(self.stage, ("smaller blocks", &content), 0.0, refine).ok();
         if let Some((shifts, _)) = &refined {
             ratio.iter_mut().zip(shifts).for_each(|(ratio, shift)| *ratio += shift);
@@ -386,6 +388,14 @@ impl Search<'_> {
         let is_within = |of: &Prediction| of.texture.excess == 0.0 && of.is_within(self.asked);
         let is_within_reach = is_within_reach || solved.iter().any(is_within);
         Found { solved, compared, is_within_reach }
+    }
+
+    /// Error that no texture was found: the time limit ended, or none within the bounds can be computed.
+    pub fn nothing_found(&self) -> DesignError {
+        if self.stage.cancelled() {
+            return DesignError::OutOfTime("the seconds allowed were spent before a design was found".to_owned());
+        }
+        self.models.own.nothing_computed(&self.task.space)
     }
 
     /// Whether `solved` has a [`Known::AsCut`] texture that keeps all limits and whose value is at least 1 - [`EQUAL`]

@@ -182,8 +182,8 @@ impl<'a> SteadyModel<'a> {
         Ok(self.answer(&self.asked, &self.solver, made)?.on(laid, made))
     }
 
-    /// Computes the results for `design` at every condition, also if cavities close, and stores them; uses the guide, a
-    /// model in larger blocks, if `coarse` and a guide exists.
+    /// Computes the results for the infinite pattern of `design` at every condition, also if cavities close, and stores
+    /// them; uses the guide, a model in larger blocks, if `coarse` and a guide exists.
     ///
     /// # Errors
     /// [`ModelFailure`] where the design cannot be computed.
@@ -192,9 +192,7 @@ impl<'a> SteadyModel<'a> {
             Some((scene, solver)) => (scene, solver),
             None => (&self.asked, &self.solver),
         };
-        let laid = self.lay(design)?;
-        let answer = self.evaluations.answer(scene.layer.block_m, design, || self.answer(scene, solver, design))?;
-        Ok(answer.on(&laid, design))
+        self.evaluations.answer(scene.layer.block_m, design, || self.answer(scene, solver, design))
     }
 
     /// Describes how designs were solved in space, in addition to the statements of the confirming run.

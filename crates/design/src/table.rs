@@ -3,9 +3,10 @@
 //!
 //! | quantity of a texture | nodes | interpolation |
 //! |---|---|---|
-//! | ln R at every load, maximum and minimum pressure, sag of the ceilings | in the plane all in the layer's blocks; in space larger blocks, corrected by fewer cells in the requested ones | cubic splines in ln of the lengths |
+//! | ln R of cells at every load, maximum and minimum pressure, sag of the ceilings | in the plane all in the layer's blocks; in space larger blocks, corrected by fewer cells in the requested ones | cubic splines in ln of the lengths |
 //! | d ln R / d ln E; changes of ln R by local law, smaller blocks, ends, tilt | fewer (slow changes) | linear in ln |
 //!
+//! The areal density of the specimen's face, which jumps where one more cavity fits, is that of every texture itself.
 //! All values are cached by content, so that another target recomputes nothing. Nodes that the model cannot compute are
 //! holes.
 
@@ -17,7 +18,10 @@ use slipgrid_base::monitor::{Cancelled, Monitor, Part, cached};
 use slipgrid_base::statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
 use slipgrid_base::units::tidy;
 use slipgrid_infer::discrepancy::DimensionShift;
+use slipgrid_laser::export::Specimen;
+use slipgrid_laser::specimen::{Laid, on_face};
 use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::Dimension;
 
 use crate::as_cut::BeyondCells;
 use crate::evaluation_cache::Answer;
@@ -116,6 +120,9 @@ pub struct Table {
     blocks: Nodes,
     /// Effects of the specimen's ends and pressure tilt on ln R, R the friction ratio; `None` if samples are sectors.
     face: Option<Nodes>,
+    /// Specimen that textures are cut into; `None` if samples are sectors.
+    specimen: Option<Specimen>,
+    dimension: Dimension,
     loads: usize,
     /// Error and cost of the table.
     pub report: TableReport,
@@ -155,7 +162,7 @@ impl Table {
         let sensitivities = Nodes::new(task, ("slopes", models), &of, scope.sensitivities, &part)?;
         // ln (r + s) / r, s the change by smaller blocks; zero if these are too expensive, as in the final evaluation.
         let smaller = |design: &Pattern| {
-            let Some((shifts, _)) = models.refined(design) else { return Some(vec![0.0; loads]) };
+            let Some((shifts, _)) = models.refined(design, true) else { return Some(vec![0.0; loads]) };
             let ratios = models.own.steady(design).ok()?.ratio;
             Some(ratios.iter().zip(shifts).map(|(ratio, shift)| (shift / ratio).max(-0.5).ln_1p()).collect())
         };
@@ -169,7 +176,8 @@ impl Table {
         let beside = [&sensitivities, &blocks].into_iter().chain(&face).map(Nodes::bytes).sum::<usize>();
         let bytes = size_of_val(surface.coefficients()) + beside;
         let report = TableReport { nodes: nodes.len(), holes: holes.len(), bytes, ..TableReport::default() };
-        let mut table = Self { surface, holes, sensitivities, blocks, face, loads, report };
+        let (specimen, dimension) = (beyond.face, models.own.dimension());
+        let mut table = Self { surface, holes, sensitivities, blocks, face, specimen, dimension, loads, report };
         table.measure(task, models, scope.checks, stage)?;
         Some(table)
     }
@@ -193,7 +201,9 @@ impl Table {
             let design = task.space.pattern(*lengths_m).ok()?;
             let (exact, found) = (exact?, self.values(&design)?);
             let is_open = exact[self.loads + 2] < design.depth_m();
-            let each = exact.iter().zip(&found).take(self.loads).map(|(exact, found)| (exact - found).abs());
+            let share = self.lay(&design)?.share(&design);
+            let (exact, found) = (self.on_specimen(exact, share)?, self.on_specimen(found, share)?);
+            let each = exact.iter().zip(&found).map(|(exact, found)| (exact - found).abs());
             is_open.then(|| each.fold(0.0, f64::max))
         };
         let mut off: Vec<f64> = all.iter().zip(exact).filter_map(off).collect();
@@ -203,31 +213,52 @@ impl Table {
         Some(())
     }
 
-    /// Interpolates all outputs, ln R at each load and [`BESIDE`] others, at the lengths of `design`; `None` next to a
+    /// Lays `design` out on the specimen; `None` if the specimen does not take it.
+    pub fn lay(&self, design: &Pattern) -> Option<Laid> {
+        Laid::new(self.specimen.as_ref(), design, self.dimension).ok()
+    }
+
+    /// ln R at each load on a specimen whose areal density is `share` times that of the infinite pattern with the
+    /// outputs `values`; `None` if friction would vanish.
+    fn on_specimen(&self, mut values: Vec<f64>, share: f64) -> Option<Vec<f64>> {
+        values.truncate(self.loads);
+        values.iter_mut().for_each(|log| *log = on_face(log.exp(), share).ln());
+        values.iter().all(|log| log.is_finite()).then_some(values)
+    }
+
+    /// Interpolates all outputs of the infinite pattern, ln R at each load and [`BESIDE`] others, at the lengths of `design`; `None` next to a
     /// node that the model cannot compute.
     fn values(&self, design: &Pattern) -> Option<Vec<f64>> {
         let lengths_m = design.lengths_m();
         (!self.surface.is_beside(&self.holes, &lengths_m)).then(|| self.surface.at(&lengths_m))
     }
 
-    /// Interpolated model values and results for `design` in the layer's blocks, without the effects of the specimen's
-    /// ends and pressure tilt; `None` next to a node that the model cannot compute, or if cavities close.
-    pub fn at(&self, design: &Pattern) -> Option<(Modelled, Answer)> {
-        let mut log_ratio = self.values(design)?;
-        let beside = log_ratio.split_off(self.loads);
-        let clearance_m = design.depth_m() - beside[2];
-        if clearance_m <= 0.0 {
-            return None;
-        }
+    /// Interpolated model values and results for `design`, laid out as in `laid`, in the layer's blocks, without the
+    /// effects of the specimen's ends and pressure tilt; `None` next to a node that the model cannot compute, or if
+    /// cavities close.
+    pub fn at(&self, design: &Pattern, laid: &Laid) -> Option<(Modelled, Answer)> {
+        let values = self.values(design)?;
+        let answer = self.answer_of(design, &values)?;
+        let log_ratio = self.on_specimen(values, laid.share(design))?;
         let numbers = self.sensitivities.at(design.lengths_m()).unwrap_or_default();
-        let sensitivity = from_numbers(&numbers, self.loads);
-        let answer = Answer {
-            ratio: log_ratio.iter().map(|log| log.exp()).collect(),
+        Some((Modelled { log_ratio, sensitivity: from_numbers(&numbers, self.loads) }, answer))
+    }
+
+    /// Interpolated results for `design` without ratios, which needs no layout; `None` as for [`Self::at`].
+    pub fn answer(&self, design: &Pattern) -> Option<Answer> {
+        self.answer_of(design, &self.values(design)?)
+    }
+
+    /// Results without ratios from the outputs `values` of `design`; `None` if cavities close.
+    fn answer_of(&self, design: &Pattern, values: &[f64]) -> Option<Answer> {
+        let beside = &values[self.loads..];
+        let clearance_m = design.depth_m() - beside[2];
+        (clearance_m > 0.0).then(|| Answer {
+            ratio: Vec::new(),
             peak_pressure_mpa: 1e-6 * beside[0].exp(),
             least_pressure: beside[1],
             clearance_um: Some(1e6 * clearance_m),
-        };
-        Some((Modelled { log_ratio, sensitivity }, answer))
+        })
     }
 
     /// Change of the logarithm of each ratio by the specimen's ends and pressure tilt; empty, which means no change, if
@@ -243,11 +274,19 @@ impl Table {
     }
 
     /// Errors of the dimensions of samples of `design` with the standard deviations of `tolerances`, from differences
-    /// over one standard deviation to each side; `None` next to a node that the model cannot compute.
-    pub fn dimension_shifts(&self, design: &Pattern, tolerances: &Tolerances) -> Option<Vec<DimensionShift>> {
+    /// over one standard deviation to each side, with the number of cavities of `laid`; `None` as for [`Self::at`].
+    pub fn dimension_shifts(
+        &self,
+        design: &Pattern,
+        laid: &Laid,
+        tolerances: &Tolerances,
+    ) -> Option<Vec<DimensionShift>> {
         let own = |(_, by_m): (&str, [f64; 3])| {
-            let [above, below] = [1.0, -1.0].map(|side| self.values(&made(design, &by_m, side)));
-            let log_ratio = above?.into_iter().zip(below?).take(self.loads).map(|(above, below)| 0.5 * (above - below));
+            let [above, below] = [1.0, -1.0].map(|side| {
+                let made = made(design, &by_m, side);
+                self.on_specimen(self.values(&made)?, laid.share(&made))
+            });
+            let log_ratio = above?.into_iter().zip(below?).map(|(above, below)| 0.5 * (above - below));
             Some(shift(design, &by_m, log_ratio.collect()))
         };
         of_dimensions(tolerances).into_iter().map(own).collect()
@@ -284,7 +323,7 @@ pub fn nodes(task: &DesignTask, model: &SteadyModel<'_>) -> [f64; 2] {
     [count(own), lift.map_or(0.0, count)]
 }
 
-/// Solves the designs with `lengths`, in metres: ln R at each load, ln of the peak pressure in pascals, minimum ratio
+/// Solves infinite patterns with `lengths`, in metres: ln R at each load, ln of the peak pressure in pascals, minimum ratio
 /// of local to nominal pressure, and sag in metres; in the guide's larger blocks if `coarse`. Closed cavities are
 /// solved as if their ceiling could pass the counterface, so that outputs are smooth up to closure. An entry is `None`
 /// if its design cannot be computed; the result is `None` once `stage` is cancelled or the cache fails.
@@ -312,7 +351,7 @@ fn solved(
             _ => Ok(None),
         }
     };
-    let content = (models.own.content(), &task.space, lengths, coarse, "ln R, ln peak, least, sag");
+    let content = (models.own.content(), &task.space, lengths, coarse, "ln R of cells, ln peak, least, sag");
     cached(stage, ("nodes", &content), 1.0, || lengths.par_iter().map(one).collect::<Result<_, _>>()).ok()
 }
 

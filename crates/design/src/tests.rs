@@ -19,6 +19,7 @@ mod brute_force;
 mod learning;
 mod limits;
 mod several_samples;
+mod small_specimens;
 
 use crate::explorer::{Explorer, explore_bounds};
 use crate::next_trial::laser_warnings;
@@ -279,7 +280,7 @@ fn the_local_law_moves_what_is_expected_and_not_what_is_modelled() {
                 assert!((0.9..1.03).contains(&(of_inputs / combined)), "{of_inputs} {combined} {limits:?}");
                 assert!(limits.iter().all(|limit| limit.std[load] < combined), "{combined} {limits:?}");
             }
-            let rough = search.table.at(&found.texture.pattern).unwrap().0.sensitivity;
+            let rough = search.interpolated(&found.texture.pattern).unwrap().sensitivity;
             (found.texture.ratio.clone(), found.medians(), limits, found.texture.sensitivity.clone(), rough)
         })
     };

@@ -44,6 +44,23 @@ fn a_higher_limit_of_the_peak_pressure_never_loses_the_textures_of_a_lower_one()
     assert!(found.windows(2).all(|pair| pair[1].1 > pair[0].1 - 0.03), "{found:?}");
 }
 
+/// Cells keep the limit, so that the target is within reach by the table, and the runs of all specimens break it.
+#[test]
+fn a_limit_that_only_the_runs_break_is_named_as_what_blocks_the_target() {
+    let mut task = task(Planform::Groove);
+    task.space = DesignSpace::new(Planform::Groove, [40e-6, 120e-6], [40e-6, 400e-6], [2e-6, 10e-6]).unwrap();
+    task.specimen.outline = Outline::Disc { diameter_m: 2e-3 };
+    task.target = near(0.9, 0.095);
+    task.constraints.quantities =
+        vec![ConstraintQuantity::PeakPressure.limited_to(4.4e6), ConstraintQuantity::ArealDensity.limited_to(0.9)];
+    assert!(searched(&task, |search| search.best(&|_| true, 1).is_within_reach));
+    let report = run(&task, &mut NoCache, &*KNOWN).unwrap().report;
+    assert_eq!((&*report.advice, report.sample.violations.len()), ("cannot_be_met", 1));
+    let named: Vec<&str> = report.blocked_by.iter().map(|lifted| &*lifted.what).collect();
+    assert_eq!(named, ["the limit of peak pressure, 4.4 MPa"]);
+    assert!(report.blocked_by[0].is_within_reach);
+}
+
 #[test]
 fn limits_that_nothing_keeps_are_named_with_each_sample() {
     let mut task = task(Planform::Groove);
