@@ -33,7 +33,7 @@ pub use trials::{NextArgs, TrialsArgs};
     arg_required_else_help = true,
     after_help = "Units stand in the keys of all files (width_um, pressure_mpa, speed_mm_s).\n\n\
         Exit codes: 0 done; 2 input refused, nothing written; 3 target cannot be met, or needs no texture, and \
-        4 seconds spent (both only from optimize); 1 anything else.\n\n\
+        4 seconds spent (both only from optimize and next); 1 anything else.\n\n\
         Examples:\n  \
         slipgrid optimize designs/ldpe-lower-friction.toml\n  \
         slipgrid simulate scene.toml --fidelity dynamic --extent sample -o out/scene\n  \

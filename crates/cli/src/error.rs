@@ -23,6 +23,9 @@ pub enum CliError {
     /// The time limit passed before any result was available.
     #[error("{0}")]
     OutOfTime(String),
+    /// No texture is worth cutting.
+    #[error("{0}")]
+    NothingToCut(String),
     /// Anything else.
     #[error("{0}")]
     Other(String),
@@ -74,6 +77,7 @@ impl CliError {
             Self::Input(_) | Self::Inputs(_) => crate::exit_code::BAD_INPUT,
             Self::Interrupted => crate::exit_code::INTERRUPTED,
             Self::OutOfTime(_) => crate::exit_code::BUDGET,
+            Self::NothingToCut(_) => crate::exit_code::UNREACHABLE,
             Self::Stdout(_) | Self::Other(_) => crate::exit_code::FAILURE,
         }
     }

@@ -45,18 +45,28 @@ const MAX_NAMED: usize = 4;
 
 /// Exit codes of the program.
 pub mod exit_code {
-    /// Done; `optimize`: a sample or a series is worth cutting, or a trial meets the target.
+    /// Done; `optimize`, `next`: a sample or a series is worth cutting, or a trial meets the target.
     pub const DONE: u8 = 0;
     /// Any failure without a specific code.
     pub const FAILURE: u8 = 1;
     /// Input was refused; nothing was written.
     pub const BAD_INPUT: u8 = 2;
-    /// `optimize`: no design within bounds and limits is expected to meet the target, or the flat surface meets it.
+    /// `optimize`, `next`: no design within bounds and limits is expected to meet the target, or the flat surface meets
+    /// it.
     pub const UNREACHABLE: u8 = 3;
-    /// `optimize`: the time limit did not suffice for every stage.
+    /// `optimize`, `next`: the time limit did not suffice for every stage.
     pub const BUDGET: u8 = 4;
     /// Ctrl-C was pressed: no result was written.
     pub const INTERRUPTED: u8 = 130;
+
+    /// Exit code of a result with the `advice` named in its record; `is_cut_short`: the time limit ended a stage.
+    pub fn of_advice(advice: &str, is_cut_short: bool) -> u8 {
+        match advice {
+            _ if is_cut_short => BUDGET,
+            "cannot_be_met" | "do_not_texture" => UNREACHABLE,
+            _ => DONE,
+        }
+    }
 }
 
 /// Output streams and options of a command.

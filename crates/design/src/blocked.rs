@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use crate::optimize::DesignSpace;
+use crate::optimize::{DesignSpace, Limit, Violation};
 use crate::results::PatternReport;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -61,9 +61,15 @@ pub fn bounds_reached(task: &DesignTask, pattern: &Pattern) -> Vec<ReachedBound>
 
 /// Computes the maximum chance by the table with, separately, each limit removed and each bound that `best` rests on
 /// widened. Returns only limits and bounds that bring the target within reach, or admit a better texture: those that
-/// bring it within reach first, then by decreasing chance.
-pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
+/// bring it within reach first, then by decreasing chance. If the target `is_within_reach` by the table, textures break
+/// limits only as they are cut, and only the limits that `best` breaks are examined.
+pub fn blocked_by(search: &Search<'_>, best: &Prediction, is_within_reach: bool) -> Vec<LiftedReport> {
     let task = search.task;
+    let broken = search.violated_by(&best.texture);
+    let is_examined = |own: &Limit| {
+        let is_own = |of: &Violation| matches!(of, Violation::Quantity { limit, .. } if limit == own);
+        !is_within_reach || broken.iter().any(is_own)
+    };
     let mut all = Vec::new();
     let mut add = |what: String, lifted: &DesignTask, table: &Table| {
         let relaxed = Search { task: lifted, table, ..search.clone() };
@@ -78,19 +84,20 @@ pub fn blocked_by(search: &Search<'_>, best: &Prediction) -> Vec<LiftedReport> {
             is_within_reach,
         });
     };
-    for (place, limit) in task.constraints.quantities.iter().enumerate() {
+    let limits = task.constraints.quantities.iter().enumerate();
+    for (place, limit) in limits.filter(|(_, limit)| is_examined(limit)) {
         let mut lifted = task.clone();
         lifted.constraints.quantities.remove(place);
         let (name, told) = (limit.quantity.name(), limit.quantity.tell(limit.bound.limit()));
         add(format!("the limit of {name}, {told}"), &lifted, search.table);
     }
-    if let Some(land_m) = task.constraints.limits.min_land_m {
+    if let Some(land_m) = task.constraints.limits.min_land_m.filter(|_| !is_within_reach) {
         let mut lifted = task.clone();
         lifted.constraints.limits.min_land_m = None;
         add(format!("the smallest land, {} um", LENGTH_UM.from_si(land_m)), &lifted, search.table);
     }
     // In space, a wider table would take as long as the first one.
-    if search.models.own.is_cheap_per_design() {
+    if search.models.own.is_cheap_per_design() && !is_within_reach {
         let bounds_m = task.space.lengths_m();
         for bound in bounds_reached(task, &best.texture.pattern) {
             let mut wide_m = bounds_m;

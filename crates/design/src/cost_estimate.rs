@@ -1,6 +1,7 @@
 //! Cost estimate of a design job, reported before it starts.
 
 use slipgrid_base::monitor::Monitor;
+use slipgrid_base::units::counted;
 use slipgrid_infer::calibrate::uncertainty::{MaterialUncertainty, Slopes};
 use slipgrid_model::material::Condition;
 use slipgrid_model::pattern::Pattern;
@@ -142,7 +143,8 @@ pub fn cost_line(what: &str, expense: Expense, may_go_on: bool, threads: usize) 
     } else {
         String::new()
     };
-    Some(format!("{what} takes about {time}{longer}{memory}, estimated for {threads} threads with cores of their own"))
+    let threads = counted(threads, "thread");
+    Some(format!("{what} takes about {time}{longer}{memory}, estimated for {threads} with cores of their own"))
 }
 
 /// Formats seconds in a suitable unit.

@@ -20,6 +20,9 @@ pub enum DesignError {
     /// The time limit ended before there was a result.
     #[error("{0}")]
     OutOfTime(String),
+    /// No set of textures that one specimen takes is worth cutting.
+    #[error("{0}")]
+    NothingToCut(String),
     /// Any other failure.
     #[error("{0}")]
     Failed(String),

@@ -115,12 +115,7 @@ fn reported(
     if search.stage.cancelled() {
         cut_short.push("search");
     }
-    let Some(best) = found.solved.first() else {
-        return Err(match cut_short[..] {
-            [] => search.models.own.nothing_computed(&task.space),
-            _ => DesignError::OutOfTime("the seconds allowed were spent before a design was found".to_owned()),
-        });
-    };
+    let Some(best) = found.solved.first() else { return Err(search.nothing_found()) };
     let pattern = best.texture.pattern;
     let stage = budget.stage("confirmation");
     let (scene, confirmed) = confirm(prepared, search.models.own, (&pattern, best.texture.run.as_deref()), &stage)?;
@@ -131,7 +126,9 @@ fn reported(
     let advice = Advice::of(search, best, found.is_within_reach);
     let beside_s = monitor.seconds();
     let is_out_of_reach = asked.has_demands() && !found.is_within_reach && advice != Advice::DoNotTexture;
-    let blocked = if is_out_of_reach { blocked_by(search, best) } else { Vec::new() };
+    let breaks_limits = asked.has_demands() && advice == Advice::CannotBeMet { keeps_limits: false };
+    let blocked =
+        if is_out_of_reach || breaks_limits { blocked_by(search, best, found.is_within_reach) } else { Vec::new() };
     let can_gain = asked.has_demands() && !is_out_of_reach && matches!(advice, Advice::Trial | Advice::Series);
     let reached = if can_gain { bounds_reached(task, &pattern) } else { Vec::new() };
     let slopes = slopes(search, best);

@@ -200,16 +200,16 @@ fn tasks(task: &DesignTask) -> Result<Vec<PreparedTask>, DesignError> {
 ///
 /// # Errors
 /// [`DesignError`] for a task that is refused, that the monitor cancels, or whose bounds leave a single texture.
-pub fn choose(task: &DesignTask, options: &NextOptions, division: &Division, monitor: &dyn Monitor) -> Chosen {
-    let budget = TimeBudget::new(monitor, None);
+pub fn choose(task: &DesignTask, options: &NextOptions, division: &Division, budget: TimeBudget<'_>) -> Chosen {
+    let monitor = budget.monitor;
     let on_disc = |prepared: &PreparedTask, then: &dyn Fn(&Search<'_>) -> Chosen| {
         with_table(prepared, Some(division), None, budget, &mut Timings::default(), |search, _| then(search))
     };
     match &tasks(task)?[..] {
         [across, along] => {
-            on_disc(across, &|across| on_disc(along, &|along| pair(&[across, along], options, division)))
+            on_disc(across, &|across| on_disc(along, &|along| pair(&[across, along], options, division, monitor)))
         }
-        all => on_disc(&all[0], &|search| pair(&[search], options, division)),
+        all => on_disc(&all[0], &|search| pair(&[search], options, division, monitor)),
     }
 }
 
@@ -253,7 +253,7 @@ fn greatest(
 
 /// Chooses the pair of textures that gives most information, solves and reports it. `searches` are of grooves across
 /// and along sliding, or one of another planform.
-fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division) -> Chosen {
+fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division, monitor: &dyn Monitor) -> Chosen {
     let search = searches[0];
     let of_side = |(side, of): (usize, &&Search<'_>)| {
         candidates(of, options, division).into_iter().map(move |texture| (side, texture))
@@ -272,7 +272,7 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division) ->
         [0, all.len().saturating_sub(1)].into_iter().flat_map(pairs).filter(|[a, b]| a != b).collect()
     };
     let Some([start, best]) = greatest(&starts, all.len(), &bits) else {
-        return Err(DesignError::Failed(match (all.len(), unkept_by.len()) {
+        return Err(DesignError::NothingToCut(match (all.len(), unkept_by.len()) {
             (0, 1..) => {
                 let nearest = unkept_by.iter().min_by(|a, b| a.1.excess.total_cmp(&b.1.excess));
                 unkept(&nearest.map_or_else(Vec::new, |(side, texture)| searches[*side].violated_by(texture)))
@@ -281,12 +281,12 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division) ->
             _ => coarse(division),
         }));
     };
-    search.stage.heed()?;
+    monitor.heed()?;
     let [a, b] = if all[best.0[0]].0 > all[best.0[1]].0 { [best.0[1], best.0[0]] } else { best.0 };
     let failed = |failure| DesignError::Failed(format!("a sector cannot be computed: {failure}"));
     let solved = |place: usize| searches[all[place].0].solved(&all[place].1.pattern).map_err(failed);
     let chosen = [solved(a)?, solved(b)?];
-    search.stage.heed()?;
+    monitor.heed()?;
     let why = match (has_directions, is_equal(a, b)) {
         (true, true) => "equal dimensions: mechanisms that no direction changes predict equal model errors".to_owned(),
         (true, false) => {

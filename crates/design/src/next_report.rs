@@ -52,6 +52,9 @@ pub struct NextReport {
     pub others: Vec<SampleReport>,
     /// Samples that the user asked for.
     pub own: Vec<SampleReport>,
+    /// Stages that the time limit ended early; absent if it ended none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cut_short: Vec<String>,
     /// Features that the laser cannot cut as designed, each with the number of the sample.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
@@ -200,7 +203,14 @@ impl NextReport {
 
     /// Reasons to doubt the samples, one sentence each; the text marks them with `!`.
     pub fn doubts(&self) -> Vec<String> {
-        self.violated_limits().chain(self.material_doubts()).chain(self.laser_doubts()).collect()
+        self.first_doubts().chain(self.laser_doubts()).collect()
+    }
+
+    /// Doubts that stand above the samples: about the search, limits and the material.
+    fn first_doubts(&self) -> impl Iterator<Item = String> {
+        let cut_short =
+            (!self.cut_short.is_empty()).then(|| format!("cut short by max_seconds: {}", self.cut_short.join(", ")));
+        cut_short.into_iter().chain(self.violated_limits()).chain(self.material_doubts())
     }
 
     fn violated_limits(&self) -> impl Iterator<Item = String> {
@@ -223,8 +233,7 @@ impl NextReport {
         let mut text = wrapped(&format!("{}: {}", self.name, self.words), SCREEN_WIDTH, "  ", 3);
         let (trials, designs) = (counted(self.trials, "trial"), counted(self.compared, "design"));
         text += &format!("\n  {trials} measured, {} pending; {designs} compared\n", self.pending);
-        let doubts = self.violated_limits().chain(self.material_doubts());
-        doubts.for_each(|doubt| text += &doubt_in_brief(&doubt));
+        self.first_doubts().for_each(|doubt| text += &doubt_in_brief(&doubt));
         if let Some(learning) = &self.learning {
             return text + &learning.text() + &self.ending();
         }

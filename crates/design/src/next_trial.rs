@@ -3,7 +3,7 @@
 use crate::results::VERSION;
 use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
-use slipgrid_base::units::tidy;
+use slipgrid_base::units::{counted, tidy};
 use slipgrid_infer::discrepancy::{Features, Scenarios};
 use slipgrid_laser::export::{Division, MIN_PERIODS, Outline, Sector};
 use slipgrid_model::pattern::Pattern;
@@ -82,13 +82,13 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let count = if options.learn { learning_disc::SECTORS } else { options.count };
     let division = (options.one_disc || options.learn).then(|| Division::new(task.specimen, count)).transpose();
     let division = division.map_err(|error| DesignError::refused(error.to_string()))?;
+    let budget = TimeBudget::new(monitor, task.search.max_seconds);
     let (mut report, patterns) = match &division {
-        Some(division) if options.learn => learning_disc::choose(task, options, division, monitor)?,
+        Some(division) if options.learn => learning_disc::choose(task, options, division, budget)?,
         division => {
-            let budget = TimeBudget::new(monitor, None);
             let division = division.as_ref();
             with_table(prepared, division, None, budget, &mut Timings::default(), |search, _| {
-                choose(search, options, division)
+                choose(search, options, division, monitor)
             })?
         }
     };
@@ -117,32 +117,33 @@ fn choose(
     search: &Search<'_>,
     options: &NextOptions,
     division: Option<&Division>,
+    monitor: &dyn Monitor,
 ) -> Result<(NextReport, Vec<Pattern>), DesignError> {
     let asked = search.asked;
     let found = search.best(&|pattern| options.is_open(pattern, division), options.count);
-    search.stage.heed()?;
+    monitor.heed()?;
     let Some(best) = found.solved.first() else {
         return Err(match division {
-            Some(division) => DesignError::Failed(coarse(division)),
-            None => search.models.own.nothing_computed(&search.task.space),
+            Some(division) if !search.stage.cancelled() => DesignError::NothingToCut(coarse(division)),
+            _ => search.nothing_found(),
         });
     };
     if division.is_some() && best.texture.excess > 0.0 {
-        return Err(DesignError::Failed(unkept(&search.violated_by(&best.texture))));
+        return Err(DesignError::NothingToCut(unkept(&search.violated_by(&best.texture))));
     }
     if division.is_some() && found.solved.len() < options.count {
-        let reason =
-            format!("{} designs that fit on a sector were found: expected as many as sectors", found.solved.len());
-        return Err(DesignError::Failed(reason));
+        let designs = counted(found.solved.len(), "design");
+        let reason = format!("for {} sectors only {designs} that fit on one were found", options.count);
+        return Err(if search.stage.cancelled() { search.nothing_found() } else { DesignError::NothingToCut(reason) });
     }
     let own = |pattern: &Pattern| {
-        search.stage.heed()?;
+        monitor.heed()?;
         let refused = |failure| DesignError::refused(format!("the candidate cannot be computed: {failure}"));
         search.solved(pattern).map(|found| search.as_cut(&found)).map_err(refused)
     };
     let own: Vec<Prediction> = options.own.iter().map(own).collect::<Result<_, _>>()?;
     let pending: Vec<Prediction> = options.pending.iter().filter_map(|pattern| search.solved(pattern).ok()).collect();
-    search.stage.heed()?;
+    monitor.heed()?;
     let advice = Advice::of(search, best, found.is_within_reach);
     let listed = search.unlike(&found.solved, options.count, LISTED.max(options.count));
     let (chosen, together) = if options.count <= 1 && pending.is_empty() {
@@ -183,6 +184,7 @@ pub fn new_report(search: &Search<'_>, options: &NextOptions) -> NextReport {
         name: task.name.clone(),
         trials: asked.learned.trials().len(),
         pending: options.pending.len(),
+        cut_short: search.stage.cancelled().then(|| "search".to_owned()).into_iter().collect(),
         beyond_measured: task.beyond_measured(&prepared.material, &prepared.outside),
         material: prepared.material.provenance.clone(),
         specimen: (&task.specimen).into(),

@@ -1,5 +1,6 @@
 //! Session that `optimize` and `next` share: the table over the bounds and the search in it.
 
+use slipgrid_base::units::counted;
 use slipgrid_laser::export::Division;
 use slipgrid_model::springblock::{Fidelity, Load, RunOptions};
 
@@ -50,7 +51,7 @@ pub fn with_table<T>(
         let key = cache_key(model.asked(), task.space.texture(), &task.directions.different_deg);
         let (evaluations, known) = Evaluations::cached(cache, &key, model.asked().loads.len())?;
         if known > 0 {
-            monitor.note(&format!("took over {known} answers from {place}"));
+            monitor.note(&format!("took over {} from {place}", counted(known, "answer")));
         }
         model.keep(evaluations);
     }

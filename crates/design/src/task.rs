@@ -86,6 +86,13 @@ impl Default for SearchOptions {
     }
 }
 
+impl SearchOptions {
+    /// Shortens the time limit by the `spent_s` seconds before the job, for example of a calibration.
+    pub fn take_seconds(&mut self, spent_s: f64) {
+        self.max_seconds = self.max_seconds.map(|most_s| (most_s - spent_s).max(0.0));
+    }
+}
+
 /// Material with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownMaterial {

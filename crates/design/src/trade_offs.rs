@@ -8,7 +8,7 @@ use crate::results::PatternReport;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use slipgrid_base::units::{PRESSURE_MPA, tidy};
+use slipgrid_base::units::{PRESSURE_MPA, counted, tidy};
 use slipgrid_model::pattern::Pattern;
 
 use crate::prediction::{Prediction, percent};
@@ -84,8 +84,8 @@ pub fn of(search: &Search<'_>, best: &Prediction, solved: &[Prediction]) -> Opti
     patterns.extend(solved.collect::<Vec<_>>());
     let off = search.off_at(best);
     // The run of a specimen adds borders and stick-slip to the peak pressure by the table: taken as equal for all.
-    let peak_off = best.texture.run.as_ref().zip(search.table.at(&own));
-    let peak_off = peak_off.map_or(1.0, |(run, (_, own))| run.peak_pressure_pa() / own.peak_pressure_pa());
+    let peak_off = best.texture.run.as_ref().zip(search.table.answer(&own));
+    let peak_off = peak_off.map_or(1.0, |(run, own)| run.peak_pressure_pa() / own.peak_pressure_pa());
     let value = |found: &Prediction, goal: &TradeOffGoal| value(search, found, *goal, peak_off);
     let one = |pattern: &Pattern| {
         let found = search.roughly_with(pattern, &off, &best.texture.covariance, peak_off.max(1.0));
@@ -134,7 +134,7 @@ fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal, peak_off: 
         TradeOffGoal::LaserTime => search.task.laser_time_s(pattern),
         TradeOffGoal::Volume => Some(1e9 * search.task.specimen.layout(*pattern).ok()?.cavity_volume_m3()),
         TradeOffGoal::PeakPressure => {
-            Some(PRESSURE_MPA.from_si(peak_off * search.table.at(pattern)?.1.peak_pressure_pa()))
+            Some(PRESSURE_MPA.from_si(peak_off * search.table.answer(pattern)?.peak_pressure_pa()))
         }
         TradeOffGoal::Spread => {
             let (medians, stds) = (found.medians(), found.log_stds());
@@ -193,8 +193,9 @@ impl TradeOffsReport {
             told.collect::<Vec<_>>().join(", ")
         };
         let mut text = format!(
-            "  trade-offs: of {} designs {} are not beaten by another in every goal (trade-offs.csv, trade-offs.svg)\n",
-            self.designs, self.front
+            "  trade-offs: {}, {} of them not beaten by another in every goal (trade-offs.csv, trade-offs.svg)\n",
+            counted(self.designs, "design"),
+            self.front
         );
         for (found, name) in self.best.iter().zip(&self.goals) {
             let best =

@@ -20,7 +20,7 @@ use slipgrid::pattern::Pattern;
 use slipgrid::report::html::exploration;
 use slipgrid::report::{LaserFile, Outputs, draw, files};
 use slipgrid::results::{json, json_and_timings};
-use slipgrid::units::{PRESSURE_MPA, tidy};
+use slipgrid::units::{PRESSURE_MPA, counted, tidy};
 
 use crate::counts::{shown, to_count};
 use crate::errors::{Failure, failed, undesigned};
@@ -154,10 +154,10 @@ impl Design {
     fn __repr__(&self) -> String {
         let task = &self.read.task;
         format!(
-            "<slipgrid.Design {:?}, {} at {} pressures>",
+            "<slipgrid.Design {:?}, {} at {}>",
             task.name,
             task.target.quantity().name(),
-            task.target.points().len()
+            counted(task.target.points().len(), "pressure")
         )
     }
 

@@ -21,7 +21,7 @@ use slipgrid::pattern::{Pattern, Texture};
 use slipgrid::report::files;
 use slipgrid::results::{SimulationReport, beyond_measured, json_and_timings};
 use slipgrid::springblock::{self, Extent, Fidelity, Load, Simulation, SteadyCell as Cell};
-use slipgrid::units::{PRESSURE_MPA, tidy};
+use slipgrid::units::{PRESSURE_MPA, counted, tidy};
 
 use crate::errors::{Failure, failed};
 use crate::origin::{Contents, Origin};
@@ -106,7 +106,7 @@ impl Scene {
     fn __repr__(&self) -> String {
         let scene = &self.input.scene;
         let of = scene.pattern.as_ref().map_or("flat", |pattern| pattern.planform().name());
-        format!("<slipgrid.Scene {of}, {} loads, {}>", scene.loads.len(), scene.run.fidelity.name())
+        format!("<slipgrid.Scene {of}, {}, {}>", counted(scene.loads.len(), "load"), scene.run.fidelity.name())
     }
 
     /// Warnings about the scene, one sentence each.

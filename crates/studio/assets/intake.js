@@ -188,7 +188,7 @@ export function drawIntake(root, doc, files, targets, options) {
     try {
       const first = await before?.(doc, picked) ?? [];
       await edit(doc.path, [...first, ...(await additions(doc, picked))]);
-      say(`${picked.length} files were added.`);
+      say(picked.length === 1 ? "1 file was added." : `${picked.length} files were added.`);
       picked.forEach(({ file }) => rows.delete(file));
       onAdded();
     } catch (error) { failed.replaceChildren(alert(error)); }

@@ -47,7 +47,7 @@ export async function drawTrace(root, path, calibration, { range, onRange, signa
   const way = hasSteps ? "Several steps: add the file, then enter its step under Settings, Conditions."
     : "Choose the roles of the columns below.";
   const head = trace.error ? alert(trace.error, trace.columns.length > 0 && h("p", {}, way))
-    : h("p", { class: "quiet" }, `${trace.samples} samples`, trace.notes.map((note) => `; ${note}`));
+    : h("p", { class: "quiet" }, `${trace.samples} ${trace.samples === 1 ? "sample" : "samples"}`, trace.notes.map((note) => `; ${note}`));
   root.replaceChildren(...[heading(path, 3), head,
     series.length > 0 && timePlot(series, { title: `Friction and force of ${path} over time`, range, onRange, signal }),
     trace.columns.length > 0 && table("Columns as they were understood", ["Column", "Unit", "Role"],

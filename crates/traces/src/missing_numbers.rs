@@ -48,7 +48,7 @@ impl Missing {
                 >= *window_end_s)
                 .then(|| format!("the last number is at {end_s:.2} s")),
             TraceError::TooFewSamples { found, expected, .. } => {
-                (found + self.rows >= *expected).then(|| format!("{found} samples are left of the {expected} needed"))
+                (found + self.rows >= *expected).then(|| format!("{found} of the {expected} samples needed are left"))
             }
             TraceError::Gap { from_s, to_s } => reaches(*from_s, *to_s).then(|| "the mean would miss them".to_owned()),
             _ => None,

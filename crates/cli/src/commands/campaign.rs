@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use slipgrid_base::units::counted;
 use slipgrid_io::campaign::{Engine, Folder, Share, plan};
 
 use crate::args::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
@@ -42,9 +43,9 @@ fn planned(args: &PlanArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         write_file(&args.output.join(format!("{}.sh", engine.name())), script.as_bytes())?;
     }
     console.answer(&format!(
-        "{}: {} tasks in {folder}\nnext: slipgrid campaign work {}\n",
+        "{}: {} in {folder}\nnext: slipgrid campaign work {}\n",
         planned.campaign.name,
-        planned.tasks.len(),
+        counted(planned.tasks.len(), "task"),
         quoted(&args.output)
     ))?;
     Ok(exit_code::DONE)

@@ -1,5 +1,7 @@
 //! `next`: proposes the samples to cut next, from the model and its discrepancy learned from trials.
 
+use std::time::Instant;
+
 use slipgrid_design::export::MAX_SECTORS;
 use slipgrid_design::{NextOptions, next_trials};
 use slipgrid_io::formats::Diagnostic;
@@ -8,7 +10,7 @@ use slipgrid_report::charts::{MECHANISMS_FILE, mechanisms};
 use slipgrid_report::{Outputs, draw_next};
 
 use super::complete;
-use super::optimize::refused;
+use super::optimize::{places, refused};
 use crate::args::NextArgs;
 use crate::output::open;
 use crate::progress::Job;
@@ -28,16 +30,19 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         let refused = Diagnostic::flag("--count", args.count.to_string(), reason);
         return Err(refused.expected(format!("2 to {MAX_SECTORS}")).into());
     }
+    let started = Instant::now();
     let mut design = Design::read(&disk(), &args.design)?;
     console.warn(&design.told);
     let is_disc = args.one_disc || args.learn;
-    let folder = open(args.output.as_ref(), if is_disc { &FILES_OF_DISC } else { &FILES }, &design.inputs)?;
+    let output = args.output.clone().or_else(|| is_disc.then(|| places::default_folder(&args.design, "-disc")));
+    let folder = open(output.as_ref(), if is_disc { &FILES_OF_DISC } else { &FILES }, &design.inputs)?;
     let own = args.candidate.iter().map(|text| design.candidate(text)).collect::<Result<_, _>>()?;
     let calibration = complete(&mut design, console)?;
     let samples = calibration.map_or_else(Vec::new, |calibration| calibration.stated.trials.samples);
     let discs = samples.iter().filter_map(|cut| cut.disc.clone()).collect();
     let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
     let (count, one_disc, learn) = (args.count.into(), args.one_disc, args.learn);
+    design.task.search.take_seconds(started.elapsed().as_secs_f64());
     let options = NextOptions { count, pending, own, one_disc, learn, discs };
     let found =
         next_trials(&design.task, &options, &Job::new(console)).map_err(|error| refused(error, &design, None))?;
@@ -58,5 +63,5 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         drawn.map_err(|error| design.refuse_whole(error.to_string()))?;
     }
     console.report(args.json, report, || report.text())?;
-    Ok(exit_code::DONE)
+    Ok(exit_code::of_advice(&report.advice, !report.cut_short.is_empty()))
 }

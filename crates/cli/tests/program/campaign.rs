@@ -121,7 +121,7 @@ fn a_material_that_is_calibrated_travels_with_the_campaign() {
     // Nothing else of this folder is needed.
     fs::remove_dir_all(place.path("m")).unwrap();
     let worked = place.succeed(&["campaign", "work", "out"]);
-    assert!(worked.contains("1 tasks: 1 done"), "{worked}");
+    assert!(worked.contains("1 task: 1 done"), "{worked}");
 }
 
 #[test]

@@ -59,6 +59,11 @@ fn the_chance_comes_first_with_what_is_expected_and_what_limits_it() {
     assert!(page.contains("explorer-data"));
     assert!(at("95 % of samples") < at("Limited mostly by model error"));
     assert!(at("Limited mostly by model error") < at("What to cut") && at("What to cut") < at("What limits it"));
+    // Bars stand in the order of the record, which begins with the input that the headline names.
+    let bars = &page[at("What limits it")..];
+    let names = limits.iter().map(|limit| format!("<span>{}<small>", limit["input"].as_str().unwrap()));
+    let places: Vec<usize> = names.filter_map(|name| bars.find(&name)).collect();
+    assert!(places.len() > 1 && places.is_sorted(), "{places:?}");
 }
 
 /// A target from `low_95` to `high_95` has a chance of 95 %, and a target below the median a chance of one half.
@@ -117,6 +122,7 @@ fn a_target_above_the_flat_surface_is_not_answered_by_a_pattern() {
         let (told, found) = optimized(&place, file, 3);
         assert!(told.contains("do not texture: the flat surface is what is asked for"), "{told}");
         assert_eq!(found["advice"], "do_not_texture", "{file}");
+        assert_eq!(place.run(&["next", file]).status.code(), Some(3), "{file}");
     }
     let page = place.read("out/highest/report.html");
     assert!(page.contains("Do not texture: the flat surface is what is asked for"));

@@ -36,11 +36,12 @@ fn seconds_hold_for_all_stages() {
     // No machine tabulates such a layer so soon.
     let fine = DESIGN.replace("block_um = 10.0", "block_um = 2.5");
     let place = Place::with(&[("none.toml", &timed(&discs(), "0")), ("few.toml", &timed(&fine, "1.5"))]);
-    for file in ["none.toml", "few.toml"] {
-        let output = place.run(&["optimize", file, "-o", "out"]);
+    for (command, file) in [("optimize", "none.toml"), ("optimize", "few.toml"), ("next", "none.toml")] {
+        let output = place.run(&[command, file, "-o", "out"]);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(4), "{file}: {said}");
-        assert!(said.contains("error: the seconds allowed were spent before the designs within the bounds"), "{said}");
+        // Another test may have tabulated the designs.
+        assert!(said.contains("error: the seconds allowed were spent before"), "{said}");
         assert!(!place.path("out").exists());
     }
 }

@@ -28,7 +28,10 @@ fn trade_offs_are_compared_by_what_samples_do() {
     let trade_offs = "[trade_offs]\ngoals = [\"chance\", \"laser_time\", \"spread\"]\ndesigns = 30\n";
     let place = Place::with(&[("a.toml", &trusted(&design(&format!("{TOLERANCES}{trade_offs}"))))]);
     let summary = place.succeed(&["optimize", "a.toml"]);
-    assert!(summary.contains("trade-offs: of ") && summary.contains("greatest chance: "), "{summary}");
+    assert!(
+        summary.contains("not beaten by another in every goal") && summary.contains("greatest chance: "),
+        "{summary}"
+    );
 
     let found = result(&place, "out/a");
     let traded = &found["trade_offs"];

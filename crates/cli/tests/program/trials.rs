@@ -392,6 +392,7 @@ fn sectors_of_one_disc_are_drawn_and_become_trials() {
     let trials = read("trials.toml");
     place.write("calibration.toml", format!("{CALIBRATION}{trials}"));
     let after = next(&place, &["--count", "2", "--one-disc"]);
+    assert_eq!(place.listed("out/design-disc"), files);
     assert_eq!((after["pending"].as_u64(), after["one_disc"]["name"].as_str()), (Some(3), Some("three cuts, disc 2")));
     // Measured: the material keeps which trials share a disc.
     for number in 1..=3 {

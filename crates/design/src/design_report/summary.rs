@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use slipgrid_base::units::counted;
+
 use super::DesignReport;
 use crate::blocked::LiftedReport;
 use crate::prediction::{Expected, LimitedBy, ModelledRatio, SampleReport, percent};
@@ -220,9 +222,9 @@ impl DesignReport {
     /// Number of compared designs, error of the table, and times of the stages.
     fn cost(&self) -> String {
         format!(
-            "\n{} designs compared by a table of {} nodes, off by {:.4} in the median and {:.4} at most of {}; {}\n",
-            self.compared,
-            self.table.nodes,
+            "\n{} compared by a table of {}, off by {:.4} in the median and {:.4} at most of {}; {}\n",
+            counted(self.compared, "design"),
+            counted(self.table.nodes, "node"),
             self.table.median_error,
             self.table.worst_error,
             self.table.checked,

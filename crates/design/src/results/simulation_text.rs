@@ -1,5 +1,6 @@
 //! A simulation as text: in brief for the screen, and with all details.
 
+use slipgrid_base::units::counted;
 use slipgrid_model::springblock::Status;
 
 use super::errors::ErrorReport;
@@ -42,7 +43,7 @@ impl SimulationReport {
     }
 
     fn duration(&self) -> String {
-        format!("{:.3} s on {} threads", self.wall_s, self.threads)
+        format!("{:.3} s on {}", self.wall_s, counted(self.threads, "thread"))
     }
 
     /// Formats the report as text.

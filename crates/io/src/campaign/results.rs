@@ -1,7 +1,7 @@
 //! Results of a campaign as one table.
 
 use serde_json::Value as Json;
-use slipgrid_base::units::tidy;
+use slipgrid_base::units::{counted, tidy};
 use slipgrid_design::results::guard_formula;
 
 use crate::campaign::records::{Campaign, Kind, Task};
@@ -45,8 +45,8 @@ impl Counts {
     /// Describes the counts in one line.
     pub fn words(&self) -> String {
         let Self { done, refused, failed, missing } = self;
-        let tasks = done + refused + failed + missing;
-        format!("{tasks} tasks: {done} done, {refused} refused, {failed} failed, {missing} missing")
+        let tasks = counted(done + refused + failed + missing, "task");
+        format!("{tasks}: {done} done, {refused} refused, {failed} failed, {missing} missing")
     }
 
     /// Number of tasks with any outcome.

@@ -38,7 +38,8 @@ pub struct LimitsFile {
     max_laser_time_s: Option<Number>,
     /// Minimum gap left under the ceiling of a cavity at every target pressure.
     min_clearance_um: Option<Number>,
-    /// `refuse` rejects designs in which a contact block is under tension in the steady model.
+    /// `refuse` rejects designs in which a contact block is under tension in the steady model of the infinite pattern;
+    /// the result says if blocks of the specimen are in time.
     lift_off: Option<Spanned<String>>,
 }
 

@@ -1,7 +1,7 @@
 //! Page of a calibration: fitted coefficients, remaining uncertainty, and suggested measurements.
 
 use slipgrid_base::statistics::median;
-use slipgrid_base::units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S};
+use slipgrid_base::units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, counted};
 use slipgrid_design::results::VERSION;
 use slipgrid_infer::calibrate::{
     AreaLawOrigin, CalibrationOutcome, Coefficients, FittedPair, Measurement, Parameter, Surface,
@@ -101,7 +101,8 @@ fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
         let error = percent(error, 1);
         format!(" Each is known to {error} % in the median, errors of Young's modulus and of the area law included.")
     });
-    page.marked("chance", &format!("Local dynamic friction is {known}: {count} measurements on flat samples.{words}"));
+    let lead = format!("Local dynamic friction is {known}: {} on flat samples.{words}", counted(count, "measurement"));
+    page.marked("chance", &lead);
     let off =
         outcome.measurements.iter().zip(&fit.predictions).map(|(of, at)| (at.residual / of.mu_dynamic_std).powi(2));
     let off = number((off.sum::<f64>() / count.max(1) as f64).sqrt(), 1);

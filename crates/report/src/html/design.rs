@@ -1,6 +1,6 @@
 //! Page of a design found by `optimize`.
 
-use slipgrid_base::units::significant;
+use slipgrid_base::units::{counted, significant};
 use slipgrid_design::records::{GoalReport, TradeOffsReport};
 use slipgrid_design::results::{Table, believed_interval, duration_in_words, length_in_words};
 use slipgrid_design::{DesignOutcome, DesignReport, Expected, LimitedBy, SampleReport, percent as chance_words};
@@ -130,9 +130,7 @@ fn known(table: &Table) -> Table {
 fn limited_by(page: &mut Page, report: &DesignReport) {
     let last = report.target.pressure_mpa.len().saturating_sub(1);
     let limits = report.sample.limited_by.iter();
-    let mut limits: Vec<&LimitedBy> = limits.filter(|limit| limit.std.iter().any(|std| *std >= MIN_STD)).collect();
-    let std = |limit: &LimitedBy| limit.std.get(last).copied().unwrap_or(0.0);
-    limits.sort_by(|a, b| std(b).total_cmp(&std(a)));
+    let limits: Vec<&LimitedBy> = limits.filter(|limit| limit.std.iter().any(|std| *std >= MIN_STD)).collect();
     let mut table = Table::of(&limits);
     table.column("input", |limit| limit.input.clone());
     table.column("how well it is known", |limit| micrometres(&limit.known_to));
@@ -142,7 +140,7 @@ fn limited_by(page: &mut Page, report: &DesignReport) {
     }
     page.table(
         &format!(
-            "What limits the prediction: the standard deviation of the ratio that each input alone gives at {} MPa.",
+            "What limits the prediction, by the chance without it, then by the standard deviation of the ratio that it alone gives; shown at {} MPa.",
             plain(report.target.pressure_mpa.get(last).copied())
         ),
         &table.table(),
@@ -195,13 +193,13 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     let table = &report.table;
     if table.nodes > 0 {
         page.paragraph(&format!(
-            "{} designs were compared by a table of the model over the bounds, seed {}. It has {} nodes, {} of them without an answer. At {} random \
-             designs its ratios are off by {} in the median and {} at most.",
-            report.compared,
+            "A table of the model over the bounds (seed {}; {}, {} of them without an answer) compared {}. At {} its ratios \
+             are off by {} in the median and {} at most.",
             report.seed,
-            table.nodes,
+            counted(table.nodes, "node"),
             table.holes,
-            table.checked,
+            counted(report.compared, "design"),
+            counted(table.checked, "random design"),
             number(table.median_error, 4),
             number(table.worst_error, 4),
         ));
@@ -216,7 +214,11 @@ fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
         "trade-offs.svg",
         "Designs by the goals that were compared; no other design beats one on the front in every goal",
     );
-    page.paragraph(&format!("Of {} designs {} are not beaten by another in every goal.", found.designs, found.front));
+    page.paragraph(&format!(
+        "Not beaten by another in every goal: {} of {}.",
+        found.front,
+        counted(found.designs, "design")
+    ));
     let mut table = Table::of(&found.listed);
     table.column("width in µm", |listed| length_in_words(listed.design.width_um));
     table.column("spacing in µm", |listed| length_in_words(listed.design.spacing_um));

@@ -171,10 +171,9 @@ fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>)
         Some(half / flat_of(report, row)?)
     });
     let largest = report.sample.limited_by.iter().map(std).fold(tolerance.unwrap_or(0.0), f64::max);
-    let mut shown: Vec<&LimitedBy> =
-        report.sample.limited_by.iter().filter(|limit| std(limit) >= MIN_BAR * largest).collect();
-    shown.sort_by(|a, b| std(b).total_cmp(&std(a)));
-    shown.truncate(MAX_BARS);
+    // In the order of the record, by the chance without the input, as `limited mostly by` names the first.
+    let shown = report.sample.limited_by.iter().filter(|limit| std(limit) >= MIN_BAR * largest);
+    let shown: Vec<&LimitedBy> = shown.take(MAX_BARS).collect();
     if largest > 0.0 && !shown.is_empty() {
         let at = plain(report.target.pressure_mpa.get(row).copied());
         let accepted = if tolerance.is_some() { ", against what is accepted" } else { "" };

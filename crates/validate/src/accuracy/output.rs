@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use slipgrid_base::units::counted;
 use slipgrid_design::results::{Table, fixed};
 use slipgrid_report::charts::{self, ChartError, WorkPoint, WorkPrecisionPanel};
 
@@ -53,8 +54,10 @@ pub fn markdown(of: &Accuracy) -> String {
     }
     let [architecture, system] = of.machine;
     text + &format!(
-        "\nslipgrid {}, {architecture}, {system}; {:.0} s on {} threads in all.\n",
-        of.version, of.wall_s, of.threads
+        "\nslipgrid {}, {architecture}, {system}; {:.0} s on {} in all.\n",
+        of.version,
+        of.wall_s,
+        counted(of.threads, "thread")
     )
 }
 

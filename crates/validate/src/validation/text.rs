@@ -1,5 +1,7 @@
 //! Validation as text.
 
+use slipgrid_base::units::counted;
+
 use super::ratios::ModelledRatio;
 use super::report::ValidationReport;
 use super::rims;
@@ -29,7 +31,12 @@ pub fn text(report: &ValidationReport) -> String {
         text += &format!("! {warning}\n");
     }
     let in_time = report.in_time.as_ref().map(|run| format!(", of which friction in time {:.1} s", run.wall_s));
-    text + &format!("\n{:.1} s on {} threads{}\n", report.wall_s, report.threads, in_time.unwrap_or_default())
+    text + &format!(
+        "\n{:.1} s on {}{}\n",
+        report.wall_s,
+        counted(report.threads, "thread"),
+        in_time.unwrap_or_default()
+    )
 }
 
 /// Warnings with the number of solutions that have a numerical or physical problem.

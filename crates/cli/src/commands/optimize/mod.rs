@@ -1,11 +1,11 @@
 //! `optimize`: finds and confirms the pattern that brings friction to a target, and writes the laser's files.
 
-mod places;
+pub mod places;
 
 use std::time::Instant;
 
+use slipgrid_design::DesignError;
 use slipgrid_design::results::{SCREEN_WIDTH, wrapped};
-use slipgrid_design::{Advice, DesignError};
 use slipgrid_io::formats::design::Design;
 use slipgrid_report::{files, linked_data, uncertainty_budget};
 
@@ -46,7 +46,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let started = Instant::now();
     let mut design = Design::read(&disk(), &args.design)?;
     console.warn(&design.told);
-    let folder = args.output.clone().unwrap_or_else(|| places::default_folder(&args.design));
+    let folder = args.output.clone().unwrap_or_else(|| places::default_folder(&args.design, ""));
     let results = ResultFolder::open(Place::output(&folder), &FILES, &design.inputs)?;
     if let Some(earlier) = results.earlier_name().filter(|earlier| *earlier != design.task.name) {
         let note = format!("the result of {earlier:?} in {} will be replaced", folder.display());
@@ -60,7 +60,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     heed()?;
     let calibrated_s = started.elapsed().as_secs_f64();
     let mut task = design.task.clone();
-    task.search.max_seconds = task.search.max_seconds.map(|most_s| (most_s - calibrated_s).max(0.0));
+    task.search.take_seconds(calibrated_s);
     let mut study = StudyFile::new(places::study_path(&folder), args.resume);
     let found = slipgrid_design::run(&task, &mut study, &Job::new(console));
     let mut found = found.map_err(|error| refused(error, &design, Some(&study)))?;
@@ -83,11 +83,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         let calibration = design.calibration.as_deref();
         console.answer(&places::written(&args.again(false), calibration, &folder, &found.advice))?;
     }
-    Ok(match found.advice {
-        _ if !report.cut_short.is_empty() => exit_code::BUDGET,
-        Advice::Series | Advice::Trial | Advice::TrialMeetsIt { .. } => exit_code::DONE,
-        Advice::CannotBeMet { .. } | Advice::DoNotTexture => exit_code::UNREACHABLE,
-    })
+    Ok(exit_code::of_advice(&report.advice, !report.cut_short.is_empty()))
 }
 
 /// Converts the `error` of a search for `design` to an error of the command, with the position in the design or study
@@ -100,6 +96,7 @@ pub fn refused(error: DesignError, design: &Design, study: Option<&StudyFile>) -
         }
         DesignError::Cancelled => CliError::Interrupted,
         DesignError::OutOfTime(reason) => CliError::OutOfTime(reason),
+        DesignError::NothingToCut(reason) => CliError::NothingToCut(reason),
         DesignError::Failed(reason) => CliError::Other(reason),
     }
 }

@@ -6,12 +6,14 @@ use slipgrid_design::Advice;
 
 use crate::output::quoted;
 
-/// Default folder of results: out/NAME for designs/NAME.toml; out/design if NAME consists of dots.
-pub fn default_folder(design: &Path) -> PathBuf {
+/// Default folder of results: out/NAME and `suffix` for designs/NAME.toml; out/design if NAME consists of dots.
+pub fn default_folder(design: &Path, suffix: &str) -> PathBuf {
     let stem = design.file_name().map(Path::new).and_then(Path::file_stem);
     let named = stem.filter(|stem| !stem.to_string_lossy().trim_start_matches('.').is_empty());
     let named = named.filter(|stem| !stem.eq_ignore_ascii_case(".toml"));
-    PathBuf::from("out").join(named.unwrap_or_else(|| "design".as_ref()))
+    let mut name = named.unwrap_or_else(|| "design".as_ref()).to_os_string();
+    name.push(suffix);
+    PathBuf::from("out").join(name)
 }
 
 /// Path of the study file, next to the folder of results: out/NAME.study.jsonl.
@@ -98,7 +100,7 @@ mod tests {
             (".hidden.toml", "out/.hidden"),
             ("..", "out/design"),
         ] {
-            assert_eq!(default_folder(Path::new(design)), Path::new(folder), "{design}");
+            assert_eq!(default_folder(Path::new(design), ""), Path::new(folder), "{design}");
         }
         assert_eq!(study_path(Path::new("out/a")), Path::new("out/a.study.jsonl"));
         assert_eq!(study_path(Path::new("..")), Path::new("../design.study.jsonl"));
