@@ -285,20 +285,25 @@ impl Design {
     pub fn refuse(&self, refused: &Refusal) -> Diagnostic {
         let at = |place: &Range<usize>| self.document.refuse(place.clone(), refused.reason.clone());
         let whole = || Diagnostic::file(self.document.path(), refused.reason.clone());
+        let pressure_pa = match refused.part {
+            TaskPart::Pressure(place) => self.task.pressures_pa().get(place).copied(),
+            _ => None,
+        };
         let found = match refused.part {
             TaskPart::Whole => whole(),
             TaskPart::ConditionRange(place) => self.places.ranges.get(place).map_or_else(whole, at),
             TaskPart::Condition => at(&self.places.condition),
             TaskPart::FurtherConditions => at(&self.places.also_at),
-            TaskPart::Pressure(place) => at(&number_span(&self.places.pressures, place)),
+            // The task has the pressures in ascending order, the file in any.
+            TaskPart::Pressure(_) => {
+                let written = self.places.pressures.get_ref().written();
+                let place = written.iter().position(|mpa| Some(PRESSURE_MPA.to_si(*mpa)) == pressure_pa);
+                at(&number_span(&self.places.pressures, place.unwrap_or_default()))
+            }
             TaskPart::BlockSize => {
                 let default = self.task.block_um().to_string();
                 self.document.refuse_or_default(("sample", "block_um"), Some(default), refused.reason.clone())
             }
-        };
-        let pressure_pa = match refused.part {
-            TaskPart::Pressure(place) => self.task.pressures_pa().get(place).copied(),
-            _ => None,
         };
         let expected = refused.expected.clone().map(|expected| match pressure_pa {
             Some(pressure_pa) => unusual::with_slip(&expected, PRESSURE_MPA.from_si(pressure_pa)),
@@ -347,4 +352,26 @@ fn check_strip(
             .expected("false"));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_pressure_is_named_in_any_order() {
+        let refused = |pressures: &str| {
+            let text = format!(
+                "[material]\nyoungs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\nfriction = {{ static_mean = 0.3, dynamic_mean = 0.27 }}\n\
+                 [target]\nquantity = \"ratio\"\ngoal = \"lowest\"\npressure_mpa = {pressures}\n\
+                 [bounds]\nwidth_um = [40, 80]\nspacing_um = [40, 80]\ndepth_um = [2, 10]\n\
+                 [specimen]\nshape = \"disc\"\ndiameter_mm = 10\n"
+            );
+            Design::from_document(Document::new("d.toml", text)).unwrap_err().to_string()
+        };
+        for pressures in ["[0.65, 300.0]", "[300.0, 0.65]", "[2.0, 300.0, 0.65]"] {
+            let said = refused(pressures);
+            assert!(said.starts_with("d.toml:8: target.pressure_mpa: 300.0 MPa is above 0.5 of Young's"), "{said}");
+        }
+    }
 }
