@@ -25,6 +25,7 @@ use super::trace_table::TraceReader;
 use super::traces::{self, ConditionTraces, SurfaceKind};
 use super::trials::{self, FlatSamples};
 use super::unusual;
+use super::values::interval;
 use crate::formats::altitude_map::read_land;
 use crate::formats::plausible::{DENSITY, MODULUS, stiff_for_its_density};
 use crate::formats::source::Source;
@@ -341,14 +342,13 @@ fn read_measured(
 }
 
 fn read_scale(document: &Document, fit: &FitFile, has_surface: bool) -> Result<Option<[f64; 2]>, Diagnostic> {
-    let Some(bounds) = &fit.area_law_scale_mpa else { return Ok(None) };
-    if has_surface {
-        return Err(document
+    match &fit.area_law_scale_mpa {
+        Some(bounds) if has_surface => Err(document
             .refuse(bounds.span(), "stands beside [surface]")
-            .expected("either area_law_scale_mpa or [surface]"));
-    }
-    match document.numbers(bounds, PRESSURE_MPA)?[..] {
-        [from, to] if from < to => Ok(Some([from, to])),
-        _ => Err(document.refuse(bounds.span(), "is no range").expected("two increasing pressures, [0.5, 50]")),
+            .expected("either area_law_scale_mpa or [surface]")),
+        bounds => {
+            let words = ["is no range", "two increasing pressures, [0.5, 50]"];
+            interval(document, bounds.as_ref(), PRESSURE_MPA, words)
+        }
     }
 }

@@ -14,7 +14,7 @@ use super::relief::read_relief;
 use super::run::{Overrides, read_run};
 use super::stated_specimen::read_holder;
 use super::unusual::{self, with_slip};
-use super::values::{MAX_PRESSURES, Number, Numbers, PathOr, check_count, distinct_pressures, number_span};
+use super::values::{MAX_PRESSURES, Number, Numbers, PathOr, distinct_pressures, number_span};
 use crate::formats::source::Source;
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{
@@ -413,8 +413,7 @@ fn read_pressures(
     quantity: Quantity,
     material: &Material,
 ) -> Result<Vec<f64>, Diagnostic> {
-    check_count(document, pressures, MAX_PRESSURES)?;
-    let read = distinct_pressures(document, pressures, quantity)?;
+    let read = distinct_pressures(document, pressures, quantity, MAX_PRESSURES)?;
     check_pressures(&read, material).map_err(|refused| {
         let place = if let TaskPart::Pressure(place) = refused.part { place } else { 0 };
         let expected = refused.expected.map(|expected| with_slip(&expected, PRESSURE_MPA.from_si(read[place])));

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use slipgrid_design::optimize::{Demand, Goal, Quantity, Target, Wanted};
 use slipgrid_model::material::ConditionRange;
 
-use super::values::{MAX_TARGET_PRESSURES, Numbers, check_count, distinct_pressures, for_each, range};
+use super::values::{MAX_TARGET_PRESSURES, Numbers, distinct_pressures, for_each, range};
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::{FRICTION, HUMIDITY_PCT, PRESSURE_MPA, RATIO, SPEED_MM_S, TOLERANCE, WEIGHT};
 
@@ -44,8 +44,7 @@ pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Ta
     let target = file.get_ref();
     let all = [Quantity::Ratio, Quantity::DynamicFriction];
     let quantity = document.choice(&target.quantity, &all, Quantity::name)?;
-    check_count(document, &target.pressure_mpa, MAX_TARGET_PRESSURES)?;
-    let pressures_pa = distinct_pressures(document, &target.pressure_mpa, PRESSURE_MPA)?;
+    let pressures_pa = distinct_pressures(document, &target.pressure_mpa, PRESSURE_MPA, MAX_TARGET_PRESSURES)?;
     let range = match quantity {
         Quantity::Ratio => RATIO,
         Quantity::DynamicFriction => FRICTION,

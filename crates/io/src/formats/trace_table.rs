@@ -17,7 +17,7 @@ use super::stated_specimen::read_count;
 use super::traces::{
     ConditionTraces, Export, OfTrial, ReadTrace, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among,
 };
-use super::values::{Number, NumberList};
+use super::values::{Number, NumberList, interval};
 use crate::formats::plausible::RELATIVE_DEVIATION;
 use crate::formats::source::{Entry, Source, fits};
 use crate::formats::{Diagnostic, Document, Spanned};
@@ -425,24 +425,12 @@ fn needs_reciprocating(document: &Document, share: &Number) -> Diagnostic {
 }
 
 fn read_window(document: &Document, window: Option<&NumberList>) -> Result<Option<[f64; 2]>, Diagnostic> {
-    read_span(document, window, ["is no window", "two increasing times, [10, 40]"])
+    interval(document, window, TIME_S, ["is no window", "two increasing times, [10, 40]"])
 }
 
 fn read_zero(document: &Document, zero: Option<&NumberList>) -> Result<Option<Zero>, Diagnostic> {
     let words = ["is no span of time", "two increasing times before touchdown, [0, 2]"];
-    Ok(read_span(document, zero, words)?.zip(zero.map(Spanned::span)))
-}
-
-fn read_span(
-    document: &Document,
-    span: Option<&NumberList>,
-    [reason, expected]: [&str; 2],
-) -> Result<Option<[f64; 2]>, Diagnostic> {
-    let Some(span) = span else { return Ok(None) };
-    match document.numbers(span, TIME_S)?[..] {
-        [from, to] if from < to => Ok(Some([from, to])),
-        _ => Err(document.refuse(span.span(), reason).expected(expected)),
-    }
+    Ok(interval(document, zero, TIME_S, words)?.zip(zero.map(Spanned::span)))
 }
 
 /// Files whose names match `pattern`, in which * stands for any characters of the name, sorted by path.

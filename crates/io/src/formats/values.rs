@@ -96,25 +96,28 @@ pub fn list(document: &Document, values: &Spanned<Numbers>, quantity: Quantity) 
 /// Relative difference up to which two pressures are equal: results and pictures are identified by their pressure.
 const SAME_PRESSURE: f64 = 1e-9;
 
-/// Reads the pressures `values` like [`list`], and refuses repeated ones.
+/// Reads the pressures `values` like [`list`], and refuses repeated ones and more than `most`.
 ///
 /// # Errors
-/// Errors of [`list`], or [`Diagnostic`] at a repeated pressure.
+/// Errors of [`list`], or [`Diagnostic`] at a repeated pressure or at the first excess pressure.
 pub fn distinct_pressures(
     document: &Document,
     values: &Spanned<Numbers>,
     quantity: Quantity,
+    most: usize,
 ) -> Result<Vec<f64>, Diagnostic> {
     let pressures_pa = list(document, values, quantity)?;
+    if pressures_pa.len() > most {
+        let reason = format!("MPa is one of {} pressures", pressures_pa.len());
+        return Err(document.refuse(number_span(values, most), reason).expected(format!("at most {most}")));
+    }
     let mut order: Vec<usize> = (0..pressures_pa.len()).collect();
     order.sort_by(|a, b| pressures_pa[*a].total_cmp(&pressures_pa[*b]));
     let is_twice =
         |pair: &&[usize]| pressures_pa[pair[1]] - pressures_pa[pair[0]] <= SAME_PRESSURE * pressures_pa[pair[1]];
     if let Some(pair) = order.windows(2).find(is_twice) {
-        let later = pair[0].max(pair[1]);
-        return Err(document
-            .refuse(number_span(values, later), "MPa is in the list twice")
-            .expected("each pressure once"));
+        let later = number_span(values, pair[0].max(pair[1]));
+        return Err(document.refuse(later, "MPa is in the list twice").expected("each pressure once"));
     }
     Ok(pressures_pa)
 }
@@ -124,20 +127,6 @@ pub const MAX_PRESSURES: usize = 10_000;
 /// Maximum number of pressures of a design: a search solves every design at each pressure, and computes the correlation
 /// of errors for all pairs of pressures.
 pub const MAX_TARGET_PRESSURES: usize = 1000;
-
-/// Refuses a list of more than `most` pressures.
-///
-/// # Errors
-/// [`Diagnostic`] at the first excess pressure.
-pub fn check_count(document: &Document, pressures: &Spanned<Numbers>, most: usize) -> Result<(), Diagnostic> {
-    match pressures.get_ref() {
-        Numbers::Each(each) if each.len() > most => {
-            let reason = format!("MPa is one of {} pressures", each.len());
-            Err(document.refuse(each[most].span(), reason).expected(format!("at most {most}")))
-        }
-        _ => Ok(()),
-    }
-}
 
 impl Numbers {
     /// Numbers as written, in the unit of the file.
@@ -176,6 +165,24 @@ pub fn range(
         _ => format!("has {}", counted(read.len(), "number")),
     };
     Err(document.refuse(values.span(), reason).expected(expected))
+}
+
+/// Reads the two ends of an interval, converted to SI units; `None` if absent. `reason` refuses other numbers, and
+/// `expected` describes accepted ones.
+///
+/// # Errors
+/// [`Diagnostic`] if a number is refused, or unless there are two that increase.
+pub fn interval(
+    document: &Document,
+    values: Option<&NumberList>,
+    quantity: Quantity,
+    [reason, expected]: [&str; 2],
+) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let Some(values) = values else { return Ok(None) };
+    match document.numbers(values, quantity)?[..] {
+        [from, to] if from < to => Ok(Some([from, to])),
+        _ => Err(document.refuse(values.span(), reason).expected(expected)),
+    }
 }
 
 /// Reads `count` numbers, converted to SI units; a single number stands for all. `of_what` names an entry in messages.
@@ -258,5 +265,47 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for PathOr<T> {
             }
         }
         deserializer.deserialize_any(Reader(std::marker::PhantomData))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_base::units::{PRESSURE_MPA, TIME_S};
+
+    #[derive(Deserialize)]
+    struct File<T> {
+        key: Spanned<T>,
+    }
+
+    fn read<T: for<'de> Deserialize<'de>, R>(
+        value: &str,
+        reader: impl Fn(&Document, &Spanned<T>) -> Result<R, Diagnostic>,
+    ) -> Result<R, String> {
+        let document = Document::new("a.toml", format!("key = {value}"));
+        let file: File<T> = document.parse().unwrap();
+        reader(&document, &file.key).map_err(|refused| refused.to_string())
+    }
+
+    #[test]
+    fn pressures_are_distinct_and_not_too_many() {
+        let read = |value: &str| read(value, |document, list| distinct_pressures(document, list, PRESSURE_MPA, 3));
+        assert_eq!(read("[3.0, 1.0, 2.0]"), Ok(vec![3e6, 1e6, 2e6]));
+        assert_eq!(read("2.0"), Ok(vec![2e6]));
+        let many = "a.toml:1: key: 4.0 MPa is one of 5 pressures; expected at most 3";
+        assert_eq!(read("[1.0, 2.0, 3.0, 4.0, 5.0]").unwrap_err(), many);
+        let twice = "a.toml:1: key: 2 MPa is in the list twice; expected each pressure once";
+        assert_eq!(read("[2.0, 1.0, 2]").unwrap_err(), twice);
+    }
+
+    #[test]
+    fn an_interval_has_two_numbers_that_increase() {
+        let words = ["is no window", "two times"];
+        let read = |value: &str| read(value, |document, list| interval(document, Some(list), TIME_S, words));
+        assert_eq!(read("[10, 40.5]"), Ok(Some([10.0, 40.5])));
+        for wrong in ["[1.0]", "[2.0, 2.0]", "[2.0, 1.0]", "[1.0, 2.0, 3.0]"] {
+            assert_eq!(read(wrong).unwrap_err(), format!("a.toml:1: key: {wrong} is no window; expected two times"));
+        }
+        assert!(read("[-1, 2]").unwrap_err().starts_with("a.toml:1: key: -1 is out of range"));
     }
 }
