@@ -9,46 +9,32 @@ use slipgrid_model::pattern::Pattern;
 /// cavity exists.
 const MAX_RELATIVE_STD: f64 = 1.0 / 3.0;
 
-/// Reads the standard errors of width, spacing and depth of the measured `pattern`, in metres; 0 for an error that the
-/// file does not state.
+/// Reads the standard errors of width, spacing and depth of the measured `pattern`, in metres, as its trial or its own
+/// table states them, in this order in `stated`; 0 for an error that is not stated.
 ///
 /// # Errors
-/// [`Diagnostic`] if a number is out of range, or more than a third of the dimension.
-pub fn read(document: &Document, written: [&Option<Number>; 3], pattern: &Pattern) -> Result<[f64; 3], Diagnostic> {
-    let measured = [("width", pattern.width_m()), ("spacing", pattern.spacing_m()), ("depth", pattern.depth_m())];
+/// [`Diagnostic`] if a number is out of range, or more than a third of the dimension, or if both tables state the error of
+/// one dimension.
+pub fn read(document: &Document, stated: &[[&Option<Number>; 3]], pattern: &Pattern) -> Result<[f64; 3], Diagnostic> {
     let mut stds_m = [0.0; 3];
-    for ((std_m, written), (name, length_m)) in stds_m.iter_mut().zip(written).zip(measured) {
-        let Some(written) = written else { continue };
-        *std_m = document.number(written, LENGTH_STD_UM)?;
-        if *std_m > MAX_RELATIVE_STD * length_m * (1.0 + 1e-9) {
-            let length_um = LENGTH_UM.from_si(length_m);
-            let reason = format!("is more than a third of the measured {name}, {} um", tidy(length_um));
-            let most_um = (1e3 * MAX_RELATIVE_STD * length_um).floor() / 1e3;
-            let refused = document.refuse(written.span(), reason);
-            return Err(refused.expected(format!("a standard error of at most {most_um} um")));
-        }
-    }
-    Ok(stds_m)
-}
-
-/// Selects the standard errors of width, spacing and depth of a trial, from the table of the `trial` or from the table
-/// of its `pattern`.
-///
-/// # Errors
-/// [`Diagnostic`] if both tables state the error of one dimension.
-pub fn of_trial<'a>(
-    document: &Document,
-    trial: [&'a Option<Number>; 3],
-    pattern: [&'a Option<Number>; 3],
-) -> Result<[&'a Option<Number>; 3], Diagnostic> {
-    for stated in trial.into_iter().zip(pattern) {
-        if let (Some(_), Some(twice)) = stated {
+    for (axis, (name, length_m)) in ["width", "spacing", "depth"].into_iter().zip(pattern.lengths_m()).enumerate() {
+        let mut stated = stated.iter().filter_map(|stds| stds[axis].as_ref());
+        let Some(std) = stated.next() else { continue };
+        if let Some(twice) = stated.next() {
             return Err(document
                 .refuse(twice.span(), "is stated by [[trial]], too")
                 .expected("the standard error in one of the two tables"));
         }
+        stds_m[axis] = document.number(std, LENGTH_STD_UM)?;
+        if stds_m[axis] > MAX_RELATIVE_STD * length_m * (1.0 + 1e-9) {
+            let length_um = LENGTH_UM.from_si(length_m);
+            let reason = format!("is more than a third of the measured {name}, {} um", tidy(length_um));
+            let most_um = (1e3 * MAX_RELATIVE_STD * length_um).floor() / 1e3;
+            let refused = document.refuse(std.span(), reason);
+            return Err(refused.expected(format!("a standard error of at most {most_um} um")));
+        }
     }
-    Ok(std::array::from_fn(|axis| if trial[axis].is_some() { trial[axis] } else { pattern[axis] }))
+    Ok(stds_m)
 }
 
 #[cfg(test)]
@@ -71,8 +57,8 @@ mod tests {
         let read = || {
             let trial: Trial = document.parse()?;
             let own = [&None, &None, &trial.depth_std_um];
-            let stds = of_trial(&document, own, trial.pattern.get_ref().dimensions_std())?;
-            read(&document, stds, &read_pattern(&document, &trial.pattern)?)
+            let stds = [own, trial.pattern.get_ref().dimensions_std()];
+            read(&document, &stds, &read_pattern(&document, &trial.pattern)?)
         };
         read()
             .map(|stds_m| stds_m.map(|std_m| LENGTH_UM.from_si(std_m)))

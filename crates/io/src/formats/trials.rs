@@ -140,7 +140,7 @@ pub(crate) fn read_trials(
         remarks.told.extend(measured::check_partners(&rows, &written, flat)?);
         remarks.doubts.extend(measured::doubtful_ratios(&rows, flat));
         let own_std = [&file.width_std_um, &file.spacing_std_um, &file.depth_std_um];
-        let stds = dimension_error::of_trial(document, own_std, file.pattern.get_ref().dimensions_std())?;
+        let stds = [own_std, file.pattern.get_ref().dimensions_std()];
         samples.push(CutSample {
             name: file.name.get_ref().clone(),
             date: file.date.clone(),
@@ -148,7 +148,7 @@ pub(crate) fn read_trials(
             relief: read_relief(document, &file.pattern, &pattern)?,
             map: file.map.as_ref().map(|map| read_map(document, map, has_flat_map)).transpose()?,
             land: None,
-            dimensions_std_m: dimension_error::read(document, stds, &pattern)?,
+            dimensions_std_m: dimension_error::read(document, &stds, &pattern)?,
             pattern,
             sample_std: document.optional(file.sample_std.as_ref(), RELATIVE_STD)?,
             specimen: if is_laid { own.cut() } else { CutSpecimen { face: None, ..own.cut() } },
@@ -242,7 +242,7 @@ pub(crate) fn of_tables(
         relief: read_relief(document, table, &pattern)?,
         map: None,
         land: None,
-        dimensions_std_m: dimension_error::read(document, table.get_ref().dimensions_std(), &pattern)?,
+        dimensions_std_m: dimension_error::read(document, &[table.get_ref().dimensions_std()], &pattern)?,
         pattern,
         sample_std: None,
         disc: None,
