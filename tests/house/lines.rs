@@ -12,7 +12,7 @@ const LIMITS: [(&str, usize); 15] = [
     ("laser", 4_550),
     ("infer", 5_800),
     ("design", 6_650),
-    ("io", 9_450),
+    ("io", 9_400),
     ("report", 7_100),
     ("validate", 2_800),
     ("slipgrid", 100),

@@ -74,10 +74,6 @@ impl LimitsFile {
 /// [`Diagnostic`] if a number is out of range, or if the time under the laser is limited but cannot be estimated.
 pub fn read_limited(document: &Document, file: &LimitsFile, laser: &Laser) -> Result<Vec<Limit>, Diagnostic> {
     let read = |given: &Option<Number>, quantity| document.optional(given.as_ref(), quantity);
-    let most_s = |given: &Number| {
-        let most_s = document.number(given, TIME_S)?;
-        needs_time(document, given, laser).map(|()| most_s)
-    };
     let least = |lift_off: &Spanned<String>| {
         let refuses = document.choice(lift_off, &[true, false], |refused| if refused { "refuse" } else { "allow" });
         refuses.map(|refuses| refuses.then_some(0.0))
@@ -86,22 +82,16 @@ pub fn read_limited(document: &Document, file: &LimitsFile, laser: &Laser) -> Re
         (ConstraintQuantity::PeakPressure, read(&file.max_peak_pressure_mpa, PRESSURE_MPA)?),
         (ConstraintQuantity::BearingArea, read(&file.min_bearing_area, FRACTION)?),
         (ConstraintQuantity::ArealDensity, read(&file.max_areal_density, FRACTION)?),
-        (ConstraintQuantity::LaserTime, file.max_laser_time_s.as_ref().map(most_s).transpose()?),
+        (ConstraintQuantity::LaserTime, read(&file.max_laser_time_s, TIME_S)?),
         (ConstraintQuantity::Clearance, read(&file.min_clearance_um, LENGTH_UM.or_zero())?),
         (ConstraintQuantity::LeastPressure, file.lift_off.as_ref().map(least).transpose()?.flatten()),
     ];
-    Ok(limits.into_iter().filter_map(|(quantity, limit)| Some(quantity.limited_to(limit?))).collect())
-}
-
-/// Refuses a time limit if the time cannot be estimated.
-fn needs_time(document: &Document, limit: &Number, laser: &Laser) -> Result<(), Diagnostic> {
     let missing = missing_for_time(laser);
-    if missing.is_empty() {
-        return Ok(());
+    if let Some(limit) = file.max_laser_time_s.as_ref().filter(|_| !missing.is_empty()) {
+        let refused = document.refuse(limit.span(), "limits a time that cannot be estimated");
+        return Err(refused.expected(format!("{} beside it", missing.join(", "))));
     }
-    Err(document
-        .refuse(limit.span(), "limits a time that cannot be estimated")
-        .expected(format!("{} beside it", missing.join(", "))))
+    Ok(limits.into_iter().filter_map(|(quantity, limit)| Some(quantity.limited_to(limit?))).collect())
 }
 
 /// Names of the missing keys without which the time under the laser cannot be estimated.

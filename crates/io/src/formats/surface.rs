@@ -207,11 +207,8 @@ fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagno
 
 fn pixel(document: &Document, file: &SurfaceFile) -> Result<Option<[f64; 2]>, Diagnostic> {
     let along_y_m = document.optional(file.pixel_y_um.as_ref(), LENGTH_UM)?;
-    match (&file.pixel_um, &file.pixel_y_um) {
-        (Some(along_x), _) => {
-            let along_x_m = document.number(along_x, LENGTH_UM)?;
-            Ok(Some([along_x_m, along_y_m.unwrap_or(along_x_m)]))
-        }
+    match (document.optional(file.pixel_um.as_ref(), LENGTH_UM)?, &file.pixel_y_um) {
+        (Some(along_x_m), _) => Ok(Some([along_x_m, along_y_m.unwrap_or(along_x_m)])),
         (None, Some(along_y)) => Err(document.refuse(along_y.span(), "stands alone").expected("`pixel_um` beside it")),
         (None, None) => Ok(None),
     }
@@ -231,17 +228,16 @@ fn crop(document: &Document, crop: &Spanned<Vec<usize>>) -> Result<Crop, Diagnos
 }
 
 fn decimation(document: &Document, file: &SurfaceFile) -> Result<Option<Decimation>, Diagnostic> {
-    let name_of = |method| match method {
-        DecimationMethod::Mean => "mean",
-        DecimationMethod::Pick => "pick",
-    };
-    let all = [DecimationMethod::Mean, DecimationMethod::Pick];
-    let method = file.decimate_by.as_ref().map(|name| document.choice(name, &all, name_of)).transpose()?;
+    let all = [("mean", DecimationMethod::Mean), ("pick", DecimationMethod::Pick)];
+    let method = file.decimate_by.as_ref().map(|name| document.choice(name, &all, |(name, _)| name)).transpose()?;
     match (&file.decimate, &file.decimate_by) {
         (Some(factor), _) if *factor.get_ref() == 0 => {
             Err(document.refuse(factor.span(), "is out of range").expected("a whole number from 1 up"))
         }
-        (Some(factor), _) => Ok(Some(Decimation { factor: *factor.get_ref(), method: method.unwrap_or_default() })),
+        (Some(factor), _) => {
+            let method = method.map_or_else(DecimationMethod::default, |(_, method)| method);
+            Ok(Some(Decimation { factor: *factor.get_ref(), method }))
+        }
         (None, Some(name)) => Err(document.refuse(name.span(), "stands alone").expected("`decimate` beside it")),
         (None, None) => Ok(None),
     }

@@ -59,16 +59,12 @@ pub fn read_outline(
                 return Err(document.refuse(outline.span(), "is no drawing that can be read").expected(EXPECTED));
             }
             let path = existing(document, outline, outline.get_ref())?;
-            read_drawing(document.source(), &path, layer).map_err(|wrong| named_by(document, outline, wrong))
+            read_drawing(document.source(), &path, layer).map_err(|mut inside| {
+                let expected = inside.expected.take().map_or_else(|| EXPECTED.to_owned(), Into::into);
+                document.refuse(outline.span(), format!("cannot be used: {inside}")).expected(expected)
+            })
         }
     }
-}
-
-/// Converts `wrong`, an error in a drawing, to a diagnostic at the key `outline` that names the drawing.
-fn named_by(document: &Document, outline: &Spanned<String>, wrong: Diagnostic) -> Diagnostic {
-    let expected = wrong.expected.as_deref().unwrap_or(EXPECTED).to_owned();
-    let inside = Diagnostic { expected: None, ..wrong };
-    document.refuse(outline.span(), format!("cannot be used: {inside}")).expected(expected)
 }
 
 /// Reads the only closed outline of the SVG or DXF drawing at `path` of `source`; in a DXF drawing on `layer`, if
