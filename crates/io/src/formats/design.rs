@@ -24,7 +24,7 @@ use super::laser::{LaserFile, check_fits, read_laser, read_specimen, unmeasured_
 use super::limits::{LimitsFile, check_tolerances, read_limited};
 use super::material::MaterialFile;
 use super::pattern::{TextureFile, read_directions, read_texture, require_section};
-use super::scene::{SampleFile, check_face, default_sample, read_layer};
+use super::scene::{SampleFile, check_face, read_layer};
 use super::target::{ConditionRangeFile, TargetFile, read_target};
 use super::trade_offs::{TradeOffsFile, read_trade_offs};
 use super::unusual;
@@ -53,7 +53,7 @@ pub(crate) struct DesignFile {
     /// Ranges of the dimensions that are searched.
     bounds: Spanned<BoundsFile>,
     /// Fixed properties of the texture, which are not searched; grooves across the sliding direction when absent.
-    #[serde(default = "plain_texture")]
+    #[serde(default)]
     pattern: Spanned<TextureFile>,
     /// Limits set by the laser and the surface.
     #[serde(default)]
@@ -63,10 +63,10 @@ pub(crate) struct DesignFile {
     /// Specimen on which the pattern is laid out.
     specimen: Spanned<SpecimenRecord>,
     /// The modelled layer.
-    #[serde(default = "default_sample")]
+    #[serde(default)]
     sample: Spanned<SampleFile>,
     /// Solver options and time limit.
-    #[serde(default = "usual_search")]
+    #[serde(default)]
     search: Spanned<SearchOptions>,
     /// Scatter of the mean dimensions from sample to sample; without this table the chance to be on target leaves this
     /// scatter out.
@@ -74,16 +74,6 @@ pub(crate) struct DesignFile {
     /// Comparison of designs by several goals; the Pareto-optimal designs are listed, those that no other design beats
     /// in every goal.
     trade_offs: Option<Spanned<TradeOffsFile>>,
-}
-
-/// Default texture: grooves across the sliding direction.
-fn plain_texture() -> Spanned<TextureFile> {
-    TextureFile::default().into()
-}
-
-/// Default options of a search.
-fn usual_search() -> Spanned<SearchOptions> {
-    SearchOptions::default().into()
 }
 
 #[derive(Clone, Debug, Deserialize, JsonSchema)]

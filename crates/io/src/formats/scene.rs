@@ -43,12 +43,12 @@ pub struct SceneFile {
     /// `sample.length_um`.
     pub specimen: Option<Spanned<SpecimenRecord>>,
     /// The modelled layer.
-    #[serde(default = "default_sample")]
+    #[serde(default)]
     pub sample: Spanned<SampleFile>,
     /// Loads and speed.
     pub load: Spanned<LoadFile>,
     /// Solver options.
-    #[serde(default = "default_run")]
+    #[serde(default)]
     pub run: Spanned<RunOptions>,
 }
 
@@ -84,16 +84,6 @@ pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_
 
 /// Layer, and seed of the local coefficients, of the flat sample of a calibration that no design asks for.
 pub const DEFAULT_SAMPLE: (Layer, u64) = (DEFAULT_SPECIMEN, 1);
-
-/// Options of a file without `[run]`.
-fn default_run() -> Spanned<RunOptions> {
-    RunOptions::default().into()
-}
-
-/// Layer of a file without `[sample]`.
-pub fn default_sample() -> Spanned<SampleFile> {
-    SampleFile::default().into()
-}
 
 /// Loads in the form of a file.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
