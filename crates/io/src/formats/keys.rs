@@ -18,7 +18,8 @@ pub const SEVERAL: &str = "sliding_angle_deg";
 #[derive(Default)]
 pub struct Keys {
     rest: BTreeMap<String, Spanned<Value>>,
-    several: Option<Spanned<Numbers>>,
+    /// Value of [`SEVERAL`]; `None` if absent.
+    pub several: Option<Spanned<Numbers>>,
 }
 
 impl<'de> Deserialize<'de> for Keys {
@@ -62,11 +63,6 @@ impl Keys {
         let span = value.span();
         let read = T::deserialize(value.into_inner()).map_err(|error| format!("`{key}`: {}", error.message()))?;
         Ok(Some(Spanned::new(span, read)))
-    }
-
-    /// Removes the key of the sliding directions and returns its value; `None` if absent.
-    pub const fn take_directions(&mut self) -> Option<Spanned<Numbers>> {
-        self.several.take()
     }
 
     /// Converts the remaining keys to a record `T`, all keys of which are optional. `beside` are the other keys that

@@ -75,7 +75,7 @@ impl TryFrom<Keys> for PatternFile {
         }
         let [width_um, spacing_um, depth_um, width_std_um, spacing_std_um, depth_std_um] = numbers;
         let relief = keys.take("relief")?;
-        let sliding_angle_deg = match keys.take_directions() {
+        let sliding_angle_deg = match keys.several.take() {
             None => None,
             Some(angles) => match *angles.get_ref() {
                 Numbers::One(angle_deg) => Some(Spanned::new(angles.span(), angle_deg)),
@@ -111,7 +111,7 @@ impl TextureFile {
     fn read(mut keys: Keys, beside: &[&str]) -> Result<Self, String> {
         let own = ["outline", "outline_layer"];
         let (outline, outline_layer) = (keys.take(own[0])?, keys.take(own[1])?);
-        let sliding_angle_deg = keys.take_directions();
+        let sliding_angle_deg = keys.several.take();
         Ok(Self { outline, outline_layer, sliding_angle_deg, record: keys.record(&[beside, &own].concat())? })
     }
 }

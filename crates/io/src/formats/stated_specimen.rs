@@ -8,7 +8,6 @@ use slipgrid_model::springblock::{Holder, MAX_ROWS};
 
 use super::calibration_file::{FaceFile, MeasurementsFile};
 use super::scene::DEFAULT_LAYER;
-use super::values::Number;
 use crate::formats::plausible::SPECIMEN;
 use crate::formats::{Diagnostic, Document, Spanned};
 use slipgrid_base::units::LENGTH_MM;
@@ -41,10 +40,17 @@ impl StatedSpecimen {
         if file.cavities.is_none() {
             specimen.is_clipped = usual.is_some_and(|usual| usual.specimen.is_clipped);
         }
-        let thickness_m = match &file.thickness_mm {
-            Some(given) => Some(read_thickness_m(document, given)?),
-            None => usual.and_then(|usual| usual.thickness_m),
-        };
+        let stated_m = document.optional(file.thickness_mm.as_ref(), LENGTH_MM)?;
+        let [least_m, most_m] = THICKNESS_M;
+        if let Some(given) = &file.thickness_mm
+            && stated_m.is_some_and(|stated_m| !(least_m..=most_m).contains(&stated_m))
+        {
+            let [least_mm, most_mm] = THICKNESS_M.map(|end_m| LENGTH_MM.from_si(end_m));
+            return Err(document
+                .refuse(given.span(), "mm is no thickness that is modelled")
+                .expected(format!("a thickness in millimetres, from {least_mm} to {most_mm}")));
+        }
+        let thickness_m = stated_m.or(usual.and_then(|usual| usual.thickness_m));
         let holder = read_holder(document, file.holder.as_ref(), thickness_m.is_some())?;
         Ok(Self { specimen, thickness_m, holder: holder.or(usual.and_then(|usual| usual.holder)) })
     }
@@ -53,19 +59,6 @@ impl StatedSpecimen {
     pub(crate) fn cut(self) -> CutSpecimen {
         CutSpecimen { face: Some(self.specimen), thickness_m: self.thickness_m, holder: self.holder }
     }
-}
-
-/// Reads a thickness in metres, within [`THICKNESS_M`].
-fn read_thickness_m(document: &Document, given: &Number) -> Result<f64, Diagnostic> {
-    let thickness_m = document.number(given, LENGTH_MM)?;
-    let [least_m, most_m] = THICKNESS_M;
-    if (least_m..=most_m).contains(&thickness_m) {
-        return Ok(thickness_m);
-    }
-    let [least_mm, most_mm] = [least_m, most_m].map(|end_m| LENGTH_MM.from_si(end_m));
-    Err(document
-        .refuse(given.span(), "mm is no thickness that is modelled")
-        .expected(format!("a thickness in millimetres, from {least_mm} to {most_mm}")))
 }
 
 /// Reads how a specimen is held; `None` if not given. A holder is refused without a stated thickness, because the tilt
