@@ -1,4 +1,4 @@
-use slipgrid_model::pattern::Planform;
+use slipgrid_model::pattern::{Contour, Planform};
 
 use crate::export::clip::{area_m2, circle, clip};
 use crate::export::clip_simple::clip_simple;
@@ -81,22 +81,25 @@ impl Cavity {
             }
         } else if let Some(crossing) = &self.crossed_by {
             crossing.outside(self.corners_m().to_vec()).into_iter().flat_map(clipped).collect()
-        } else if self.planform == Planform::Disc {
-            let (centre_m, radius_m) = ([self.centre_x_m, self.centre_y_m], self.width_m / 2.0);
-            let whole = Boundary::Circle { centre_m, radius_m };
-            if self.cut_by.is_none() {
-                return vec![whole];
-            }
-            clipped(whole.polygon_m())
         } else {
-            clipped(self.corners_m().to_vec())
+            match self.planform.contour() {
+                Contour::Circle => {
+                    let (centre_m, radius_m) = ([self.centre_x_m, self.centre_y_m], self.width_m / 2.0);
+                    let whole = Boundary::Circle { centre_m, radius_m };
+                    if self.cut_by.is_none() {
+                        return vec![whole];
+                    }
+                    clipped(whole.polygon_m())
+                }
+                Contour::Rectangle => clipped(self.corners_m().to_vec()),
+            }
         };
         parts.into_iter().map(|corners_m| Boundary::Polygon { corners_m }).collect()
     }
 
     /// Whether the cavity is a complete rectangle, of any orientation.
     pub(crate) fn is_rectangle(&self) -> bool {
-        self.is_plain() && self.crossed_by.is_none() && self.planform != Planform::Disc
+        self.is_plain() && self.crossed_by.is_none() && self.planform.contour() == Contour::Rectangle
     }
 
     /// Shrinks the cavity to the points at least `wall_m` from its walls and `rim_m` from the border that cuts it, in
@@ -129,9 +132,9 @@ impl Cavity {
             return face.wall_distance_m(at_m);
         }
         let [cosine, sine] = self.orientation;
-        match self.planform {
-            Planform::Disc => self.width_m / 2.0 - x_m.hypot(y_m),
-            _ => {
+        match self.planform.contour() {
+            Contour::Circle => self.width_m / 2.0 - x_m.hypot(y_m),
+            Contour::Rectangle => {
                 let (along_m, across_m) = (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine);
                 (self.width_m / 2.0 - along_m.abs()).min(self.length_m / 2.0 - across_m.abs())
             }
@@ -146,9 +149,9 @@ impl Cavity {
             let spans_m = face.spans_m(along, at_m);
             return spans_m.first().zip(spans_m.last()).map(|(first, last)| [first[0], last[1]]);
         }
-        let face = match self.planform {
-            Planform::Disc => Outline::Disc { diameter_m: self.width_m },
-            _ => Outline::Rectangle { length_m: self.width_m, width_m: self.length_m },
+        let face = match self.planform.contour() {
+            Contour::Circle => Outline::Disc { diameter_m: self.width_m },
+            Contour::Rectangle => Outline::Rectangle { length_m: self.width_m, width_m: self.length_m },
         };
         // The line's normal in the cavity's axes; turned anticlockwise it points backwards.
         let ([nx, ny], [cosine, sine]) = (left_of(along), self.orientation);
@@ -196,10 +199,7 @@ impl Cavity {
         if self.cut_by.is_some() || self.crossed_by.is_some() {
             return self.boundaries().iter().map(Boundary::area_m2).sum();
         }
-        match self.planform {
-            Planform::Disc => std::f64::consts::FRAC_PI_4 * self.width_m * self.width_m,
-            _ => self.width_m * self.length_m,
-        }
+        self.planform.contour().fill() * self.width_m * self.length_m
     }
 
     /// Whether the sides of the cavity lie along x and y.

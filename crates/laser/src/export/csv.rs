@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use slipgrid_model::pattern::Planform;
+use slipgrid_model::pattern::{Contour, Planform};
 
 use crate::export::number::COORDINATE_DECIMALS;
 use crate::export::{Layout, MICROMETRE_DECIMALS, Marking, decimal, degrees, flush_full, flush_rest, push_decimal};
@@ -12,11 +12,11 @@ use crate::export::{Layout, MICROMETRE_DECIMALS, Marking, decimal, degrees, flus
 /// a diameter for discs.
 pub fn csv_header(layout: &Layout) -> &'static str {
     let texture = layout.pattern().texture();
-    match (texture.planform(), texture.groove_angle_deg()) {
-        (Planform::Crosshatch, _) => "index,centre_x_mm,centre_y_mm,width_mm,length_mm,angle_deg,depth_um,bursts",
-        (Planform::Disc, _) => "index,centre_x_mm,centre_y_mm,diameter_mm,depth_um,bursts",
-        (_, 0.0) => "index,centre_x_mm,centre_y_mm,width_mm,length_mm,depth_um,bursts",
-        _ => "index,centre_x_mm,centre_y_mm,width_mm,length_mm,angle_deg,depth_um,bursts",
+    let is_turned = texture.groove_angle_deg() != 0.0 || texture.planform() == Planform::Crosshatch;
+    match texture.planform().contour() {
+        Contour::Circle => "index,centre_x_mm,centre_y_mm,diameter_mm,depth_um,bursts",
+        Contour::Rectangle if is_turned => "index,centre_x_mm,centre_y_mm,width_mm,length_mm,angle_deg,depth_um,bursts",
+        Contour::Rectangle => "index,centre_x_mm,centre_y_mm,width_mm,length_mm,depth_um,bursts",
     }
 }
 
@@ -40,7 +40,10 @@ pub fn csv(layout: &Layout, bursts: Option<u32>, to: &mut dyn Write) -> io::Resu
         decimal(layout.pattern().depth_m() * 1e6, MICROMETRE_DECIMALS),
         bursts.map_or_else(String::new, |bursts| bursts.to_string())
     );
-    let lengths = if texture.planform() == Planform::Disc { 3 } else { 4 };
+    let lengths = match texture.planform().contour() {
+        Contour::Circle => 3,
+        Contour::Rectangle => 4,
+    };
     let mut out = format!("{}\n", csv_header(layout));
     for (index, cavity) in layout.iter().enumerate() {
         let lengths_m = [cavity.centre_x_m, cavity.centre_y_m, cavity.width_m, cavity.length_m];

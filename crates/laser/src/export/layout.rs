@@ -1,5 +1,5 @@
 use slipgrid_base::statistics::extremes;
-use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_model::pattern::{Contour, Pattern, Planform};
 
 use crate::export::crossing::Crossing;
 use crate::export::face::Face;
@@ -91,9 +91,8 @@ impl Layout {
             return Err(no_cavity_fits(&pattern, &specimen.outline));
         }
         layout.cavities = cavities;
-        let square_m2 = whole as f64 * pattern.width_m() * pattern.length_m().unwrap_or(0.0);
-        let disc = pattern.planform() == Planform::Disc;
-        layout.cavity_area_m2 = area_m2 + if disc { std::f64::consts::FRAC_PI_4 * square_m2 } else { square_m2 };
+        let around_m2 = whole as f64 * pattern.width_m() * pattern.length_m().unwrap_or(0.0);
+        layout.cavity_area_m2 = area_m2 + pattern.planform().contour().fill() * around_m2;
         Ok(layout)
     }
 
@@ -290,14 +289,15 @@ impl Layout {
             Outline::Disc { diameter_m } | Outline::Ring { outer_diameter_m: diameter_m, .. } => diameter_m,
         };
         // Smallest and largest distance from the specimen's centre.
-        let (near_m, far_m) = if let Some([near_m, far_m]) = cavity.polygon_reach_m() {
-            (near_m, far_m)
-        } else if cavity.planform == Planform::Disc {
-            let distance_m = x_m.hypot(y_m);
-            ((distance_m - half_x_m).max(0.0), distance_m + half_x_m)
-        } else {
-            ((x_m - half_x_m).max(0.0).hypot((y_m - half_y_m).max(0.0)), (x_m + half_x_m).hypot(y_m + half_y_m))
-        };
+        let [near_m, far_m] = cavity.polygon_reach_m().unwrap_or_else(|| match cavity.planform.contour() {
+            Contour::Circle => {
+                let distance_m = x_m.hypot(y_m);
+                [(distance_m - half_x_m).max(0.0), distance_m + half_x_m]
+            }
+            Contour::Rectangle => {
+                [(x_m - half_x_m).max(0.0).hypot((y_m - half_y_m).max(0.0)), (x_m + half_x_m).hypot(y_m + half_y_m)]
+            }
+        });
         let (rim_m, hole_m) = (diameter_m / 2.0, self.specimen.outline.hole_m() / 2.0);
         if near_m >= rim_m - slack_m || far_m <= hole_m + slack_m {
             Position::Outside
@@ -408,8 +408,10 @@ fn no_cavity_fits(pattern: &Pattern, outline: &Outline) -> ExportError {
     let turned = pattern.texture().orientation() != [1.0, 0.0];
     let (needed_m, extent_m) = match *outline {
         // Discs touch the circle, corners of other cavities lie on it; a turned square fits if its diagonal does.
-        Outline::Disc { .. } if pattern.planform() == Planform::Disc => (width_m, extent_x_m),
-        Outline::Disc { .. } => (width_m.hypot(length_m), extent_x_m),
+        Outline::Disc { .. } => match pattern.planform().contour() {
+            Contour::Circle => (width_m, extent_x_m),
+            Contour::Rectangle => (width_m.hypot(length_m), extent_x_m),
+        },
         Outline::Rectangle { .. } if turned => (width_m.hypot(length_m), extent_x_m.min(extent_y_m)),
         Outline::Rectangle { .. } if width_m == length_m => (width_m, extent_x_m.min(extent_y_m)),
         Outline::Rectangle { .. } if extent_x_m < width_m => (width_m, extent_x_m),

@@ -15,6 +15,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use slipgrid_model::pattern::Contour;
 
 use crate::export::marking::length_m;
 use crate::export::{
@@ -274,12 +275,12 @@ impl Section {
             spans_m.into_iter().find(|[from_m, to_m]| (*from_m..=*to_m).contains(&at_m))?
         } else {
             let (centre_along_m, centre_m) = place([cavity.centre_x_m, cavity.centre_y_m]);
-            let half_m = match cavity.planform {
-                slipgrid_model::pattern::Planform::Disc => {
+            let half_m = match cavity.planform.contour() {
+                Contour::Circle => {
                     let (radius_m, off_m) = (cavity.width_m / 2.0, along_m - centre_along_m);
                     ((radius_m - off_m) * (radius_m + off_m)).max(0.0).sqrt()
                 }
-                _ => cavity.width_m.min(cavity.length_m) / 2.0,
+                Contour::Rectangle => cavity.width_m.min(cavity.length_m) / 2.0,
             };
             [centre_m - half_m, centre_m + half_m]
         };

@@ -6,9 +6,7 @@
 
 use std::io::{self, Write};
 
-use slipgrid_model::pattern::Planform;
-
-use crate::export::{Cavity, ExportError, Heading, Laser, Layout};
+use crate::export::{Boundary, Cavity, ExportError, Heading, Laser, Layout};
 
 /// Number of corners of a round cavity: its area is 0.16 % too small.
 pub const CHORDS: u32 = 64;
@@ -75,15 +73,17 @@ type Polygon = Vec<[f64; 2]>;
 
 /// Outlines of the parts of a cavity as polygons.
 fn faces(cavity: &Cavity) -> Vec<Polygon> {
-    if cavity.planform == Planform::Disc && cavity.cut_by.is_none() {
-        let corner = |k: u32| {
-            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(CHORDS);
-            let radius_m = cavity.width_m / 2.0;
-            [cavity.centre_x_m + radius_m * libm::cos(angle), cavity.centre_y_m + radius_m * libm::sin(angle)]
-        };
-        return vec![(0..CHORDS).map(corner).collect()];
-    }
-    cavity.boundaries().iter().map(|boundary| boundary.polygon_m()).collect()
+    let of = |boundary: &Boundary| match boundary {
+        Boundary::Circle { centre_m: [x_m, y_m], radius_m } => {
+            let corner = |k: u32| {
+                let angle = std::f64::consts::TAU * f64::from(k) / f64::from(CHORDS);
+                [x_m + radius_m * libm::cos(angle), y_m + radius_m * libm::sin(angle)]
+            };
+            (0..CHORDS).map(corner).collect()
+        }
+        Boundary::Polygon { corners_m } => corners_m.clone(),
+    };
+    cavity.boundaries().iter().map(of).collect()
 }
 
 /// Lid and floor of each part of a cavity, with corresponding corners. `inset_m` is the distance of the floor's edge

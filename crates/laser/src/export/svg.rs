@@ -8,7 +8,7 @@ pub use of_sectors::svg_of_sectors;
 use std::fmt::Write as _;
 use std::io;
 
-use slipgrid_model::pattern::{Pattern, Planform, Texture};
+use slipgrid_model::pattern::{Contour, Pattern, Planform, Texture};
 
 use crate::export::number::COORDINATE_DECIMALS;
 use crate::export::{
@@ -124,7 +124,10 @@ fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
     let um = |length_m: f64| format!("{} µm", decimal(length_m * 1e6, MICROMETRE_DECIMALS));
     let mm = |length_m: f64| decimal(length_m * 1e3, COORDINATE_DECIMALS);
     let texture = pattern.texture();
-    let width = if texture.planform() == Planform::Disc { "w  diameter" } else { "w  width" };
+    let width = match texture.planform().contour() {
+        Contour::Circle => "w  diameter",
+        Contour::Rectangle => "w  width",
+    };
     let mut lines = vec![
         (width, um(pattern.width_m())),
         ("s  spacing", um(pattern.spacing_m())),

@@ -156,7 +156,7 @@ impl WorkSheet {
                 Planform::Crosshatch => {
                     format!("{SPOTS_FORMULA}; crossings count in both grooves, though they are cut once")
                 }
-                _ => SPOTS_FORMULA.to_owned(),
+                Planform::Groove | Planform::Square | Planform::Rectangle => SPOTS_FORMULA.to_owned(),
             },
             ..Self::default()
         };

@@ -1,6 +1,6 @@
 //! Conversion of a layout to strips along the sliding direction, for solvers.
 
-use slipgrid_model::pattern::Planform;
+use slipgrid_model::pattern::Contour;
 use slipgrid_model::springblock::Strip;
 
 use crate::export::{Cavity, Layout, left_of};
@@ -78,9 +78,6 @@ impl Layout {
             })
             .collect();
         found.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        if !matches!(self.pattern().planform(), Planform::Crosshatch | Planform::Polygon) {
-            return found;
-        }
         // Merge grooves where they cross, and parts of a polygon on either side of a concave corner.
         let mut apart: Vec<[f64; 2]> = Vec::with_capacity(found.len());
         for [from_m, to_m] in found {
@@ -123,11 +120,10 @@ fn spans_m(cavity: &Cavity, along: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
 /// the cavity.
 fn half_width_m(cavity: &Cavity, y_m: f64) -> Option<f64> {
     let across_m = (y_m - cavity.centre_y_m).abs();
-    if cavity.planform == Planform::Disc {
-        let radius_m = cavity.width_m / 2.0;
-        return (across_m < radius_m).then(|| ((radius_m - across_m) * (radius_m + across_m)).sqrt());
-    }
-    (across_m < cavity.length_m / 2.0).then_some(cavity.width_m / 2.0)
+    (across_m < cavity.length_m / 2.0).then(|| match cavity.planform.contour() {
+        Contour::Circle => ((cavity.width_m / 2.0 - across_m) * (cavity.width_m / 2.0 + across_m)).sqrt(),
+        Contour::Rectangle => cavity.width_m / 2.0,
+    })
 }
 
 #[cfg(test)]
@@ -135,7 +131,7 @@ mod tests {
     use super::*;
     use crate::export::Outline;
     use crate::export::layout::every_kind;
-    use slipgrid_model::pattern::{Pattern, Texture};
+    use slipgrid_model::pattern::{Pattern, Planform, Texture};
 
     const DISC: Outline = Outline::Disc { diameter_m: 10e-3 };
 

@@ -1,7 +1,7 @@
 use crate::pattern::coverage::{Shape, Sublattice, covered_area};
 use crate::pattern::error::{length, um};
 use crate::pattern::grown::Grown;
-use crate::pattern::{Arrangement, PatternError, Planform, Polygon, Rim, Texture};
+use crate::pattern::{Arrangement, Contour, PatternError, Planform, Polygon, Rim, Texture};
 use libm::{cos, sin};
 
 /// Distance between hexagonal rows over the pitch, sqrt(3)/2.
@@ -36,10 +36,10 @@ impl Pattern {
         let across = across.filter(|_| pattern.texture.arrangement() == Arrangement::Hexagonal);
         let Some((length_m, pitch_across_m)) = across else { return Ok(pattern) };
         // Rows of discs and of polygons may interlock.
-        let is_apart = match (pattern.planform(), pattern.texture.outline()) {
-            (Planform::Disc, _) => true,
-            (_, Some(_)) => length_m < 2.0 * pitch_across_m && pattern.least_land_m() > 0.0,
-            _ => pitch_across_m > length_m,
+        let is_apart = match (pattern.texture.outline(), pattern.planform().contour()) {
+            (Some(_), _) => length_m < 2.0 * pitch_across_m && pattern.least_land_m() > 0.0,
+            (None, Contour::Circle) => true,
+            (None, Contour::Rectangle) => pitch_across_m > length_m,
         };
         if is_apart { Ok(pattern) } else { Err(rows_overlap(pitch_across_m, length_m)) }
     }
@@ -193,7 +193,6 @@ impl Pattern {
                 let spacing_m = self.spacing_m - 2.0 * distance_m;
                 if spacing_m > 0.0 { 1.0 - self.land_m2(spacing_m, covered_m2) / area_m2 } else { 1.0 }
             }
-            (Planform::Disc, ..) => cavities_m2(Shape::Disc { diameter_m: width_m }) / area_m2,
             (_, Some(outline), Some(_)) if distance_m > 0.0 => {
                 self.grown_fraction(&outline.grown(distance_m / self.width_m), area_m2, covered_m2)
             }
@@ -201,9 +200,13 @@ impl Pattern {
                 let (vertices, extents_m) = (outline.vertices(), [width_m, length_m]);
                 cavities_m2(Shape::Polygon { vertices, scale_m: width_m, extents_m }) / area_m2
             }
-            (_, _, Some(length_m)) => {
+            (planform, None, Some(length_m)) => {
                 let length_m = length_m + 2.0 * distance_m;
-                cavities_m2(Shape::Rectangle { width_m, length_m, corner_m: distance_m }) / area_m2
+                let shape = match planform.contour() {
+                    Contour::Rectangle => Shape::Rectangle { width_m, length_m, corner_m: distance_m },
+                    Contour::Circle => Shape::Disc { diameter_m: width_m },
+                };
+                cavities_m2(shape) / area_m2
             }
             (_, _, None) => cavities_m2(Shape::Strip { width_m }) / area_m2,
         }
@@ -290,8 +293,7 @@ impl Pattern {
         let Some((length_m, pitch_across_m)) = self.length_m().zip(self.pitch_across_m()) else { return 1.0 };
         let mean = match self.texture.outline() {
             Some(outline) => outline.area() / outline.length(),
-            None if self.planform() == Planform::Disc => std::f64::consts::FRAC_PI_4,
-            None => 1.0,
+            None => self.planform().contour().fill(),
         };
         mean * (length_m / pitch_across_m)
     }
@@ -305,16 +307,16 @@ impl Pattern {
         if let Some(outline) = self.texture.outline() {
             return self.least_distance_m(outline, length_m + spacing_across_m);
         }
-        match self.texture.arrangement() {
-            Arrangement::Square => self.spacing_m.min(spacing_across_m),
+        match (self.texture.arrangement(), self.planform().contour()) {
+            (Arrangement::Square, _) => self.spacing_m.min(spacing_across_m),
             // All six neighbours have the distance of those in the row.
-            Arrangement::Hexagonal if self.planform() == Planform::Disc => self.spacing_m,
-            Arrangement::Staggered | Arrangement::Hexagonal => {
+            (Arrangement::Hexagonal, Contour::Circle) => self.spacing_m,
+            (Arrangement::Staggered | Arrangement::Hexagonal, contour) => {
                 // The next row is shifted by half a pitch, the one after it is not.
                 let half_pitch_m = self.pitch_m() / 2.0;
-                let aside_m = match self.planform() {
-                    Planform::Disc => half_pitch_m.hypot(length_m + spacing_across_m) - self.width_m,
-                    _ => (half_pitch_m - self.width_m).max(0.0).hypot(spacing_across_m),
+                let aside_m = match contour {
+                    Contour::Circle => half_pitch_m.hypot(length_m + spacing_across_m) - self.width_m,
+                    Contour::Rectangle => (half_pitch_m - self.width_m).max(0.0).hypot(spacing_across_m),
                 };
                 self.spacing_m.min(aside_m).min(length_m + 2.0 * spacing_across_m)
             }

@@ -19,7 +19,7 @@
 //! | type | role |
 //! |---|---|
 //! | [`Texture`] | shape, extent across, arrangement, directions and rims: everything except width, spacing and depth |
-//! | [`Planform`], [`Arrangement`] | shape of a cavity seen from above, and arrangement of rows |
+//! | [`Planform`], [`Contour`], [`Arrangement`] | shape of a cavity seen from above, curve around it, and arrangement of rows |
 //! | [`Rim`], [`RimProfile`] | recast material along the edge of a cavity |
 //! | [`ReliefMap`], [`LandRelief`] | measured heights of a face over one period, and of the lands between cavities |
 //! | [`Polygon`] | outline of a cavity of arbitrary shape |
@@ -64,7 +64,7 @@ pub use array::Pattern;
 pub(crate) use array::snap_fraction;
 pub use error::PatternError;
 pub use limits::{LimitViolation, ManufacturingLimits};
-pub use planform::{Arrangement, Planform};
+pub use planform::{Arrangement, Contour, Planform};
 pub use polygon::Polygon;
 pub use record::TextureRecord;
 pub use relief_map::{LandRelief, ReliefMap};

@@ -31,6 +31,34 @@ impl Planform {
     pub const fn is_grooves(self) -> bool {
         matches!(self, Self::Groove | Self::Crosshatch)
     }
+
+    /// Curve around a single cavity; the outline of a polygon, where it is set, takes its place.
+    pub const fn contour(self) -> Contour {
+        match self {
+            Self::Groove | Self::Square | Self::Rectangle | Self::Polygon | Self::Crosshatch => Contour::Rectangle,
+            Self::Disc => Contour::Circle,
+        }
+    }
+}
+
+/// Curve around a single cavity, inscribed in its width and length. Geometry matches it in full, so that a new curve
+/// does not compile until every question about it has an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contour {
+    /// Sides along the axes of the cavity.
+    Rectangle,
+    /// A circle.
+    Circle,
+}
+
+impl Contour {
+    /// Fraction of width times length inside the curve.
+    pub const fn fill(self) -> f64 {
+        match self {
+            Self::Rectangle => 1.0,
+            Self::Circle => std::f64::consts::FRAC_PI_4,
+        }
+    }
 }
 
 /// Arrangement of the rows of cavities. Rows run along the pattern's x axis.

@@ -233,6 +233,40 @@ fn rings_take_what_is_clear_of_hole_and_rim() {
     }
 }
 
+#[test]
+fn area_outline_chords_and_walls_of_every_cavity_agree() {
+    const LINES: u32 = 200;
+    let plate = Outline::Rectangle { length_m: 0.8e-3, width_m: 0.8e-3 };
+    for pattern in patterns(131.2, 97.0) {
+        let cavity = Layout::new(pattern, plate).unwrap().iter().next().unwrap();
+        let along @ [cosine, sine] = cavity.orientation;
+        let expected_m2: f64 = cavity.boundaries().iter().map(Boundary::area_m2).sum();
+        assert!((cavity.area_m2() / expected_m2 - 1.0).abs() < 1e-3, "{cavity:?}");
+        // Lines along the width and points on each, in equal steps over the rectangle around the cavity.
+        let step = |k: u32, extent_m: f64| ((f64::from(k) + 0.5) / f64::from(LINES) - 0.5) * extent_m;
+        let (mut chords_m2, mut inside) = (0.0, 0);
+        for k in 0..LINES {
+            let across_m = step(k, cavity.length_m);
+            let at_m = cavity.centre_y_m * cosine - cavity.centre_x_m * sine + across_m;
+            let chord_m = cavity.chord_m(along, at_m).map_or(0.0, |[from_m, to_m]| to_m - from_m);
+            chords_m2 += chord_m * cavity.length_m / f64::from(LINES);
+            inside += (0..LINES)
+                .map(|k| step(k, cavity.width_m))
+                .map(|along_m| [along_m * cosine - across_m * sine, along_m * sine + across_m * cosine])
+                .filter(|[x_m, y_m]| cavity.wall_distance_m([cavity.centre_x_m + x_m, cavity.centre_y_m + y_m]) > 0.0)
+                .count();
+        }
+        let points_m2 = inside as f64 / f64::from(LINES * LINES) * cavity.width_m * cavity.length_m;
+        assert!((points_m2 / expected_m2 - 1.0).abs() < 5e-3, "{points_m2} for {expected_m2}: {cavity:?}");
+        // A concave corner divides a chord.
+        let is_convex = cavity.face.is_none();
+        assert!(
+            !is_convex || (chords_m2 / expected_m2 - 1.0).abs() < 1e-3,
+            "{chords_m2} for {expected_m2}: {cavity:?}"
+        );
+    }
+}
+
 /// A groove whose corners lie on the border is cut neither to the whole border nor to nothing.
 #[test]
 fn clipped_grooves_have_the_area_of_the_slices_they_are() {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use slipgrid_model::pattern::{Pattern, Planform};
+use slipgrid_model::pattern::{Contour, Pattern};
 
 use super::{CAVITY_COLOUR, DETAIL_SIDE, FACE_COLOUR, INK_COLOUR, Page, TEXT_SIZE};
 use crate::export::{Layout, decimal};
@@ -82,10 +82,13 @@ impl Page {
                         let corners =
                             outline.vertices().iter().map(|corner| [x + width * corner[0], y - width * corner[1]]);
                         self.polygon(corners, &cavity);
-                    } else if pattern.planform() == Planform::Disc {
-                        self.disc([left + x + width / 2.0, top + y + width / 2.0], width / 2.0, &cavity);
-                    } else {
-                        self.rectangle([left + x, top + y], [width, length], &cavity);
+                        continue;
+                    }
+                    match pattern.planform().contour() {
+                        Contour::Circle => {
+                            self.disc([left + x + width / 2.0, top + y + width / 2.0], width / 2.0, &cavity);
+                        }
+                        Contour::Rectangle => self.rectangle([left + x, top + y], [width, length], &cavity),
                     }
                 }
             }
