@@ -185,6 +185,15 @@ pub fn tidy(value: f64) -> f64 {
     significant(value, 12)
 }
 
+/// Relative difference up to which two stated numbers (forces, pressures, speeds, humidities) are equal: files round to
+/// 6 to 12 digits, and no two settings of a tribometer are so close.
+pub const SAME: f64 = 1e-6;
+
+/// Whether two stated numbers are equal, within [`SAME`].
+pub fn is_same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * a.abs().max(b.abs())
+}
+
 /// `count` and `noun`, in the plural unless `count` is 1.
 pub fn counted(count: usize, noun: &str) -> String {
     let plural = match noun {
@@ -225,6 +234,16 @@ mod tests {
             }
         }
         assert_eq!(LENGTH_UM.to_si(10.0), 1e-5);
+    }
+
+    #[test]
+    fn numbers_are_equal_to_one_part_in_a_million() {
+        // 50 N on a face of 5 mm radius, through pressure and back with the digits of a file.
+        let pressure_mpa = significant(50.0 / (std::f64::consts::PI * 25.0), 7);
+        assert!(is_same(50.0, pressure_mpa * std::f64::consts::PI * 25.0) && is_same(0.0, 0.0) && is_same(-1.0, -1.0));
+        assert!(
+            !is_same(1.0, 1.000_002) && !is_same(1.0, -1.0) && !is_same(0.0, 1e-12) && !is_same(f64::NAN, f64::NAN)
+        );
     }
 
     #[test]

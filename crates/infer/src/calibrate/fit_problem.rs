@@ -1,7 +1,9 @@
 //! Input of a fit: measurements on flat samples and known properties of the material.
 
 use serde::Deserialize;
-use slipgrid_base::units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, significant, significant_to, tidy};
+use slipgrid_base::units::{
+    HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, is_same, significant, significant_to, tidy,
+};
 use slipgrid_model::material::{AreaLaw, Condition, Elastic, MaterialError};
 use slipgrid_model::springblock::{Layer, SceneError};
 
@@ -44,19 +46,14 @@ impl Measurement {
 
     /// Whether `other` was measured at equal force, speed and humidity.
     pub fn is_at(&self, other: &Self) -> bool {
-        same_force(self.force_n, other.force_n) && self.has_condition_of(other)
+        is_same(self.force_n, other.force_n) && self.has_condition_of(other)
     }
 
     /// Describes force, speed and humidity.
     pub fn condition_in_words(&self) -> String {
         let [speed_mm_s, humidity_pct] = [SPEED_MM_S.from_si(self.speed_m_s), HUMIDITY_PCT.from_si(self.humidity)];
-        format!("{} N, {speed_mm_s} mm/s, {humidity_pct} %", self.force_n)
+        format!("{} N, {speed_mm_s} mm/s, {humidity_pct} %", significant(self.force_n, 6))
     }
-}
-
-/// Whether two forces agree to one part in a million.
-pub(crate) fn same_force(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
 }
 
 /// Splits the name of a parameter into quantity and measurement: `dynamic_mean 4` into `dynamic_mean` and the fourth of

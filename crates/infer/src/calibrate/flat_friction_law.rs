@@ -1,9 +1,9 @@
 //! Measured flat friction as the law of local pressure.
 
+use slipgrid_base::units::is_same;
 use slipgrid_model::material::{AreaLaw, Extrapolation, MaterialError};
 
 use crate::calibrate::Measurement;
-use crate::calibrate::fit_problem::same_force;
 
 /// Builds the law of local pressure from measurements on `flat` samples of `specimen_area_m2`: friction relative to
 /// that at the lowest pressure, averaged over conditions. `None` if no condition was measured both at the lowest and at
@@ -18,12 +18,12 @@ pub fn flat_friction_law(
 ) -> Result<Option<AreaLaw>, MaterialError> {
     let mut forces: Vec<f64> = flat.iter().map(|row| row.force_n).collect();
     forces.sort_by(f64::total_cmp);
-    forces.dedup_by(|a, b| same_force(*a, *b));
+    forces.dedup_by(|a, b| is_same(*a, *b));
     let Some(&lightest) = forces.first() else { return Ok(None) };
     // Conditions measured at the lowest load and another one.
     let is_repeated = |row: &&Measurement| flat.iter().filter(|other| other.has_condition_of(row)).count() > 1;
     let conditions: Vec<&Measurement> =
-        flat.iter().filter(|row| same_force(row.force_n, lightest)).filter(is_repeated).collect();
+        flat.iter().filter(|row| is_same(row.force_n, lightest)).filter(is_repeated).collect();
     let mean = |force_n: f64| {
         let over_first = |row: &&Measurement| {
             let own = flat.iter().find(|other| other.is_at(&Measurement { force_n, ..**row }))?;

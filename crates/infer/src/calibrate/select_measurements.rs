@@ -1,12 +1,9 @@
 //! Selection of the measurements that a design needs, because each measurement on a flat sample requires a dynamic run.
 
-use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S};
+use slipgrid_base::units::{HUMIDITY_PCT, SAME, SPEED_MM_S};
 use slipgrid_model::material::{Condition, ConditionFriction, Friction, LocalFriction, MaterialError, between};
 
 use crate::calibrate::{CalibrationTask, Coefficients, Measurement, Selection};
-
-/// Relative difference up to which pressures count as equal.
-const PRESSURE_TOLERANCE: f64 = 1e-6;
 
 impl Selection {
     /// Selects the measurements of `task` on flat samples. If coefficients depend on the condition, these are the
@@ -79,7 +76,7 @@ pub fn measured_friction(
 /// Whether the pressure `one` of the `measured` pressures equals `wanted` or, if none does, is the next one below or
 /// above `wanted`; all in pascals.
 fn is_beside(measured: &[f64], one: f64, wanted: f64) -> bool {
-    let slack = PRESSURE_TOLERANCE * wanted;
+    let slack = SAME * wanted;
     let below = measured.iter().copied().filter(|own| *own <= wanted + slack).reduce(f64::max);
     let above = measured.iter().copied().filter(|own| *own >= wanted - slack).reduce(f64::min);
     below.is_some_and(|below| one >= below - slack) && above.is_none_or(|above| one <= above + slack)

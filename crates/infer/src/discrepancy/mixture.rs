@@ -5,13 +5,12 @@ use crate::discrepancy::{
     Conditions, DimensionShift, DiscrepancyError, Features, Form, Hyperparameters, Load, Measured, Predictor, Trial,
 };
 use slipgrid_base::statistics::cholesky::{cholesky, dot, is_regular, log_determinant, solve_lower, solve_upper};
+use slipgrid_base::units;
 
 /// Number of regressions after the first. Each updates the discrepancy at the trials, which multiplies the effect of
 /// errors of their dimensions: for errors of 10 % of the form and a discrepancy of 0.3, the change left after three
 /// regressions is 1e-4.
 const ROUNDS: usize = 3;
-/// Relative difference up to which pressures, speeds and humidities count as equal.
-const SAME: f64 = 1e-6;
 
 /// Posterior of the discrepancy, ln(measured / modelled ratio), given the trials, or the prior without trials.
 #[derive(Clone, Debug)]
@@ -369,6 +368,7 @@ fn members(hyper: &Hyperparameters, (scatter, of_scatter): (f64, f64)) -> Vec<Me
 
 /// Whether two loads have equal pressure, speed and humidity.
 pub(crate) fn is_same(a: &Load, b: &Load) -> bool {
-    let close = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
-    close(a.pressure_pa, b.pressure_pa) && close(a.speed_m_s, b.speed_m_s) && close(a.humidity, b.humidity)
+    [(a.pressure_pa, b.pressure_pa), (a.speed_m_s, b.speed_m_s), (a.humidity, b.humidity)]
+        .iter()
+        .all(|(a, b)| units::is_same(*a, *b))
 }

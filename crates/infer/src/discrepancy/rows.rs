@@ -5,13 +5,12 @@ use crate::discrepancy::mixture::is_same;
 use crate::discrepancy::residual::{Place, ResidualBasis};
 use crate::discrepancy::{Conditions, Features, Hyperparameters, Load, Sensitivity, Trial};
 use slipgrid_base::statistics::cholesky::{cholesky, dot, solve_lower};
+use slipgrid_base::units;
 
 /// Number of coefficients before those of the humidities: alpha (amplitude), beta (pressure) and kappa (speed).
 const OF_LOAD: usize = 3;
 /// Number of coefficients of each humidity: eta (high pressures) and gamma (low pressures).
 const OF_HUMIDITY: usize = 2;
-/// Humidities that differ by less are equal.
-const SAME_HUMIDITY: f64 = 1e-6;
 /// Number of unknowns shared by all textures: eps, the error of ln(modulus), and lambda, the share of the local law.
 pub const GLOBALS: usize = 2;
 /// Prior mean of lambda, which is 0 or 1 with equal probability; lambda is treated as a continuous variable.
@@ -54,7 +53,7 @@ impl Basis {
         let measured = || trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at)));
         let mut levels: Vec<f64> = measured().map(|(_, at)| at.load.humidity).collect();
         levels.sort_by(f64::total_cmp);
-        levels.dedup_by(|a, b| (*a - *b).abs() <= SAME_HUMIDITY);
+        levels.dedup_by(|a, b| units::is_same(*a, *b));
         let n = levels.len();
         let correlation: Vec<f64> =
             levels.iter().flat_map(|a| levels.iter().map(|b| correlation(hyper, *a, *b))).collect();

@@ -7,8 +7,8 @@ use slipgrid_base::statistics::cholesky::{cholesky, dot, is_regular, solve_lower
 
 /// Maximum standard deviation of ln(ratio) between samples of one texture, unless a larger one is stated.
 const MAX_SCATTER: f64 = 0.2;
-/// Two lengths count as equal below this relative difference, the resolution of a microscope.
-const SAME_LENGTH: f64 = 0.02;
+/// Two measured lengths count as equal below this relative difference, the resolution of a microscope.
+const MICROSCOPE_RESOLUTION: f64 = 0.02;
 /// Number of standard errors of a difference within which two lengths may be equal.
 const WITHIN_ERRORS: f64 = 2.0;
 /// Two samples contradict each other if the probability of their difference, times the number of compared pairs, is
@@ -174,7 +174,7 @@ fn is_one_texture(textures: [&Features; 2], errors_m: [[f64; 3]; 2]) -> bool {
     let [a, b] = textures.map(|of| [of.width_m, of.pitch_m, of.depth_m]);
     let [error_a, error_b] = errors_m;
     let allowed: [f64; 3] = std::array::from_fn(|axis| {
-        (WITHIN_ERRORS * error_a[axis].hypot(error_b[axis]) / a[axis].min(b[axis])).max(SAME_LENGTH)
+        (WITHIN_ERRORS * error_a[axis].hypot(error_b[axis]) / a[axis].min(b[axis])).max(MICROSCOPE_RESOLUTION)
     });
     // Areal density and edge length change with at most two powers of a length.
     let powers = 2.0 * (allowed[0] + allowed[1]);

@@ -10,7 +10,7 @@ use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::formats::{Diagnostic, Document, Spanned};
-use slipgrid_base::units::{Quantity, counted};
+use slipgrid_base::units::{Quantity, counted, is_same};
 
 /// A number with its file position.
 pub type Number = Spanned<f64>;
@@ -93,9 +93,6 @@ pub fn list(document: &Document, values: &Spanned<Numbers>, quantity: Quantity) 
     }
 }
 
-/// Relative difference up to which two pressures are equal: results and pictures are identified by their pressure.
-const SAME_PRESSURE: f64 = 1e-9;
-
 /// Reads the pressures `values` like [`list`], and refuses repeated ones and more than `most`.
 ///
 /// # Errors
@@ -113,8 +110,8 @@ pub fn distinct_pressures(
     }
     let mut order: Vec<usize> = (0..pressures_pa.len()).collect();
     order.sort_by(|a, b| pressures_pa[*a].total_cmp(&pressures_pa[*b]));
-    let is_twice =
-        |pair: &&[usize]| pressures_pa[pair[1]] - pressures_pa[pair[0]] <= SAME_PRESSURE * pressures_pa[pair[1]];
+    // Results and pictures are identified by their pressure.
+    let is_twice = |pair: &&[usize]| is_same(pressures_pa[pair[0]], pressures_pa[pair[1]]);
     if let Some(pair) = order.windows(2).find(is_twice) {
         let later = number_span(values, pair[0].max(pair[1]));
         return Err(document.refuse(later, "MPa is in the list twice").expected("each pressure once"));

@@ -10,7 +10,7 @@ pub const MAX_CAVITIES: usize = 10_000_000;
 
 /// Fraction of a pitch by which a cavity may cross the outline and still count as inside: more than rounding errors,
 /// and far below the positioning accuracy of a laser.
-const FIT_TOLERANCE: f64 = 1e-9;
+pub(crate) const FIT_TOLERANCE: f64 = 1e-9;
 
 /// Cavities of a pattern laid out on a specimen.
 ///

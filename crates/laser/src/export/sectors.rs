@@ -3,6 +3,7 @@
 use slipgrid_model::pattern::{Pattern, Planform};
 
 use crate::export::clip::{area_m2, clip, within_side, without_slivers};
+use crate::export::layout::FIT_TOLERANCE;
 use crate::export::{Boundary, Cavity, ExportError, Layout, Outline, Specimen, mm};
 
 /// Maximum number of sectors of a specimen.
@@ -15,8 +16,6 @@ pub const MIN_PERIODS: f64 = 4.0;
 const MARK_SPAN: [f64; 2] = [0.8, 0.95];
 /// Width of the mark as a fraction of the width of the land.
 const MARK_SHARE: f64 = 0.2;
-/// Fraction of a pitch by which a cavity may reach into a land, to allow for rounding.
-const FIT_TOLERANCE: f64 = 1e-9;
 /// Number of steps of the ternary search for the largest circle on a sector.
 const STEPS: usize = 120;
 

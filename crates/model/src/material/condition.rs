@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use slipgrid_base::units::{HumidityPct, InFiles, SpeedMmS};
+use slipgrid_base::units::{HumidityPct, InFiles, SpeedMmS, is_same};
 
 /// Sliding speed and humidity: the conditions of a measurement other than pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,9 +21,9 @@ pub struct Condition {
 }
 
 impl Condition {
-    /// Whether speed and humidity agree with those of `other` to one part in a million.
+    /// Whether speed and humidity agree with those of `other`.
     pub fn matches(&self, other: &Self) -> bool {
-        close(self.speed_m_s, other.speed_m_s) && close(self.humidity, other.humidity)
+        is_same(self.speed_m_s, other.speed_m_s) && is_same(self.humidity, other.humidity)
     }
 
     /// Whether the two conditions match, or both are unknown (`None`).
@@ -34,10 +34,6 @@ impl Condition {
     pub(crate) fn in_words(&self) -> String {
         format!("{} mm/s at {} %", round(self.speed_m_s * 1e3), round(self.humidity * 1e2))
     }
-}
-
-pub(crate) fn close(a: f64, b: f64) -> bool {
-    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
 }
 
 /// Removes rounding errors of unit conversions, for messages.
@@ -52,13 +48,13 @@ pub(crate) fn round(value: f64) -> f64 {
 pub fn between(measured: &[Condition], wanted: &Condition) -> Option<Vec<(Condition, f64)>> {
     let mut humidities: Vec<f64> = measured.iter().map(|condition| condition.humidity).collect();
     humidities.sort_by(f64::total_cmp);
-    humidities.dedup_by(|a, b| close(*a, *b));
+    humidities.dedup_by(|a, b| is_same(*a, *b));
     // Humidities with measured speeds around the wanted one.
     let levels: Vec<(f64, Vec<(Condition, f64)>)> = humidities
         .into_iter()
         .filter_map(|humidity| {
             let mut own: Vec<Condition> =
-                measured.iter().filter(|condition| close(condition.humidity, humidity)).copied().collect();
+                measured.iter().filter(|condition| is_same(condition.humidity, humidity)).copied().collect();
             own.sort_by(|a, b| a.speed_m_s.total_cmp(&b.speed_m_s));
             let places: Vec<f64> = own.iter().map(|condition| condition.speed_m_s.ln()).collect();
             let shares = bracket(&places, wanted.speed_m_s.ln())?;
@@ -76,7 +72,7 @@ pub fn between(measured: &[Condition], wanted: &Condition) -> Option<Vec<(Condit
 /// Indices of the neighbours of `wanted` in the increasing `places`, with their weights in linear interpolation; `None`
 /// outside `places`.
 fn bracket(places: &[f64], wanted: f64) -> Option<Vec<(usize, f64)>> {
-    if let Some(place) = places.iter().position(|place| close(*place, wanted)) {
+    if let Some(place) = places.iter().position(|place| is_same(*place, wanted)) {
         return Some(vec![(place, 1.0)]);
     }
     let next = places.partition_point(|place| *place < wanted);

@@ -4,9 +4,10 @@
 //! minimum and maximum over a range are therefore at one of its corners, or at measured speeds and humidities inside
 //! it.
 
-use crate::material::condition::{Condition, between, close};
+use crate::material::condition::{Condition, between};
 use crate::material::friction::unknown_condition;
 use crate::material::{Friction, MaterialError};
+use slipgrid_base::units::is_same;
 
 /// Fraction by which a speed is shifted past the end of the measured speeds at one humidity: far more than the
 /// tolerance of equal speeds, and too little to change friction.
@@ -40,7 +41,7 @@ impl ConditionRange {
 
     /// Whether the range is more than a single condition.
     pub fn is_wide(&self) -> bool {
-        !(close(self.speed_m_s[0], self.speed_m_s[1]) && close(self.humidity[0], self.humidity[1]))
+        !(is_same(self.speed_m_s[0], self.speed_m_s[1]) && is_same(self.humidity[0], self.humidity[1]))
     }
 
     /// Minimum and maximum speed, in m/s.
@@ -150,7 +151,7 @@ impl Friction {
 /// Minimum and maximum measured speed, in m/s, at the humidity of each measured condition.
 fn speed_ends(measured: &[Condition]) -> Vec<f64> {
     let at = |humidity: f64| {
-        measured.iter().filter(move |other| close(other.humidity, humidity)).map(|other| other.speed_m_s)
+        measured.iter().filter(move |other| is_same(other.humidity, humidity)).map(|other| other.speed_m_s)
     };
     measured
         .iter()
@@ -161,11 +162,11 @@ fn speed_ends(measured: &[Condition]) -> Vec<f64> {
 /// Both ends of a range and the `known` values strictly inside it, distinct and increasing.
 fn places([lowest, highest]: [f64; 2], known: &[f64]) -> Vec<f64> {
     let is_inside =
-        |place: &f64| *place > lowest && *place < highest && !close(*place, lowest) && !close(*place, highest);
+        |place: &f64| *place > lowest && *place < highest && !is_same(*place, lowest) && !is_same(*place, highest);
     let mut places: Vec<f64> = known.iter().copied().filter(is_inside).collect();
     places.extend([lowest, highest]);
     places.sort_by(f64::total_cmp);
-    places.dedup_by(|next, previous| close(*next, *previous));
+    places.dedup_by(|next, previous| is_same(*next, *previous));
     places
 }
 

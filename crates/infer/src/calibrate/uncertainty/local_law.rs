@@ -18,7 +18,7 @@
 //! ```
 
 use slipgrid_base::statistics::extremes;
-use slipgrid_base::units::{FRICTION, PRESSURE_MPA};
+use slipgrid_base::units::{FRICTION, PRESSURE_MPA, SAME, is_same};
 use slipgrid_model::material::{AreaLaw, Condition, MaterialError};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Scene, SteadyCell};
@@ -32,16 +32,12 @@ use crate::calibrate::{CalibrationTask, Coefficients, Measurement};
 /// Number of linear parts of the local law f_c between two measured loads, and above the heaviest load. Between loads
 /// the coefficient c and the area factor f are linear, and their product is slightly curved.
 const PARTS: usize = 8;
-/// Relative difference below which two pressures are equal.
-const SAME_PRESSURE: f64 = 1e-9;
 /// Lower limit for the decrease of ln f (area factor f) over the measured loads in the exponent s of the extrapolation;
 /// with a smaller decrease, errors of measured friction would determine s.
 const MIN_FALL: f64 = 0.05;
 /// Minimum range of the table of the local law f_c, as a multiple of the heaviest measured load: edges of cavities
 /// carry ten times the nominal pressure.
 const REACH: f64 = 20.0;
-/// Relative difference below which two coefficients are equal.
-const SAME_COEFFICIENT: f64 = 1e-6;
 
 /// Measured friction of the flat samples of `task`, by condition and increasing pressure, rounded as in a material
 /// file. Empty if one pair of coefficients holds at all loads, or if no condition has two measurements.
@@ -76,7 +72,7 @@ pub fn local_law(area_law: &AreaLaw, flat: &[CoefficientEstimate], condition: Op
     let known: Vec<CoefficientEstimate> = flat.iter().map(coefficient).collect();
     let sorted = |mut pressures_pa: Vec<f64>| {
         pressures_pa.sort_by(f64::total_cmp);
-        pressures_pa.dedup_by(|a, b| (*a - *b).abs() <= SAME_PRESSURE * b.abs());
+        pressures_pa.dedup_by(|a, b| is_same(*a, *b));
         pressures_pa
     };
     // Loads that count under this condition: another condition may have been measured over a wider range.
@@ -91,7 +87,7 @@ pub fn local_law(area_law: &AreaLaw, flat: &[CoefficientEstimate], condition: Op
     };
     let at_measured = measured(&measured_pa)?;
     let [least, most] = extremes(at_measured.iter().copied());
-    if !(least > 0.0 && most > least * (1.0 + SAME_COEFFICIENT)) {
+    if !(least > 0.0 && most > least * (1.0 + SAME)) {
         return None;
     }
     let tabulated_pa = area_law.pressures_pa();
