@@ -2,7 +2,7 @@
 
 use super::values::Number;
 use crate::formats::{Diagnostic, Document};
-use slipgrid_base::units::{LENGTH_STD_UM, LENGTH_UM, tidy};
+use slipgrid_base::units::{LENGTH_STD_UM, LENGTH_UM, significant};
 use slipgrid_model::pattern::Pattern;
 
 /// Maximum relative standard error of a dimension of a trial: with a larger error, little more is known than that a
@@ -28,7 +28,7 @@ pub fn read(document: &Document, stated: &[[&Option<Number>; 3]], pattern: &Patt
         stds_m[axis] = document.number(std, LENGTH_STD_UM)?;
         if stds_m[axis] > MAX_RELATIVE_STD * length_m * (1.0 + 1e-9) {
             let length_um = LENGTH_UM.from_si(length_m);
-            let reason = format!("is more than a third of the measured {name}, {} um", tidy(length_um));
+            let reason = format!("is more than a third of the measured {name}, {} um", significant(length_um, 6));
             let most_um = (1e3 * MAX_RELATIVE_STD * length_um).floor() / 1e3;
             let refused = document.refuse(std.span(), reason);
             return Err(refused.expected(format!("a standard error of at most {most_um} um")));

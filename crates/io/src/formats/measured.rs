@@ -49,7 +49,7 @@ impl Remarks {
 
 /// Relative difference up to which a pressure counts as the pressure at which a flat sample was measured, because forces
 /// are set in round numbers. Friction changes by at most a tenth of this difference.
-const SAME_PRESSURE: f64 = 0.01;
+const SET_PRESSURE_TOLERANCE: f64 = 0.01;
 
 /// If the highest pressure of a table, in MPa, is below this value, forces are probably in another unit: flat faces
 /// usually bear a higher pressure.
@@ -78,7 +78,8 @@ impl Placed {
         let force_n = row.measurement.force_n * specimens.area_m2 / own.area_m2;
         let off = |other: &f64| (other / force_n - 1.0).abs();
         let forces = flat.iter().map(|other| other.measurement.force_n);
-        let nearest = forces.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|other| off(other) <= SAME_PRESSURE);
+        let nearest =
+            forces.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|other| off(other) <= SET_PRESSURE_TOLERANCE);
         row.measurement.force_n = nearest.unwrap_or(force_n);
         row
     }
@@ -88,7 +89,8 @@ impl Placed {
         Diagnostic {
             line: Some(self.line),
             key: Some(key.into()),
-            value: Some(tidy(value).to_string().into()),
+            // A trace gives more digits than it knows.
+            value: Some(significant(value, 6).to_string().into()),
             ..Diagnostic::file(&self.path, "")
         }
     }
@@ -157,8 +159,12 @@ fn check_deviation(
     [mean, std]: [f64; 2],
 ) -> Result<Option<Diagnostic>, Diagnostic> {
     RELATIVE_DEVIATION.check(std / mean, || row.at(key, std)).map_err(|refused| {
-        let reason =
-            format!("is {} times the {of} {}, which {}", significant(std / mean, 3), tidy(mean), refused.reason);
+        let reason = format!(
+            "is {} times the {of} {}, which {}",
+            significant(std / mean, 3),
+            significant(mean, 6),
+            refused.reason
+        );
         let is_exchanged = std > mean && RELATIVE_DEVIATION.judge(mean / std) == Ok(None);
         let place = format!("; with {of} and {key} in each other's place it is {}", significant(mean / std, 3));
         let expected = refused.expected.as_deref().unwrap_or_default().to_owned();
@@ -249,9 +255,8 @@ pub fn check_partners(rows: &[Placed], written: &[Placed], flat: &[Placed]) -> R
         let more =
             if beside.len() > MAX_NAMED { format!("; {} more", beside.len() - MAX_NAMED) } else { String::new() };
         let (mut reason, mut there) = (String::new(), "");
-        if key == "force_n" && (own.force_n / written.measurement.force_n - 1.0).abs() > SAME_PRESSURE {
-            let force_n = tidy(significant(own.force_n, 6));
-            reason = format!("N on this face press as {force_n} N do on the calibration's: it ");
+        if key == "force_n" && (own.force_n / written.measurement.force_n - 1.0).abs() > SET_PRESSURE_TOLERANCE {
+            reason = format!("N on this face press as {} N do on the calibration's: it ", significant(own.force_n, 6));
             there = ", with forces on the calibration's face";
         }
         reason += &format!("has no flat sample beside it, measured at {}: {so}", row.condition());
@@ -271,9 +276,9 @@ pub fn doubtful_ratios(rows: &[Placed], flat: &[Placed]) -> Vec<Diagnostic> {
         let ratio = row.measurement.mu_dynamic / partner.measurement.mu_dynamic;
         // Rounded to the digits of the message.
         RATIO.tell((ratio * 1e3).round() / 1e3, || {
-            let (own, flat) = (row.measurement.mu_dynamic, partner.measurement.mu_dynamic);
+            let [own, flat] = [row, partner].map(|row| significant(row.measurement.mu_dynamic, 6));
             let place = format!("{}:{}", partner.path.display(), partner.line);
-            let mut at = row.at("mu_dynamic", own);
+            let mut at = row.at("mu_dynamic", row.measurement.mu_dynamic);
             at.value = Some(format!("{own} ({ratio:.3} times {flat} of the flat sample, {place})").into());
             at
         })
@@ -341,6 +346,18 @@ mod tests {
             static_peak: None,
         };
         Placed { measurement, path: PathBuf::from("flat.csv"), line, sliding_m: None, order: None }
+    }
+
+    #[test]
+    fn computed_friction_is_shown_with_the_digits_that_it_has() {
+        let mut row = row_of(50.0, 2e-3, 2);
+        (row.measurement.mu_dynamic, row.measurement.mu_dynamic_std) = (0.358_159_562_345, 29.7e-9);
+        let refused =
+            check_deviation(&row, ["mu_dynamic", "mu_dynamic_std"], [0.358_159_562_345, 29.7e-9]).unwrap_err();
+        let said = "mu_dynamic_std: 0.0000000297 is 0.0000000829 times the mu_dynamic 0.35816, which";
+        assert!(refused.to_string().contains(said), "{refused}");
+        row.measurement.force_n = 5e3 / 9.0;
+        assert_eq!(row.condition(), "555.556 N, 2 mm/s, 50 %");
     }
 
     #[test]

@@ -68,7 +68,7 @@ pub(super) fn read_limits(
     let bounds = file.bounds.get_ref();
     let none_left = |place: Range<usize>, below: &str, least: &str, least_m: f64| {
         let refused = document.refuse(place, format!("{below}: no pattern is left"));
-        refused.expected(format!("{least} {} um", LENGTH_UM.from_si(least_m)))
+        refused.expected(format!("{least} {} um", significant(LENGTH_UM.from_si(least_m), 6)))
     };
     let of_pattern = |key: &str| document.value_span(&file.pattern.span(), key);
     if let Some(least_m) = limits.min_land_m.filter(|least_m| spacing_m[1] < *least_m) {
@@ -76,7 +76,7 @@ pub(super) fn read_limits(
         return Err(none_left(spacing, "ends below limits.min_land_um", "a largest spacing of at least", least_m));
     }
     if let Some(spot_m) = limits.spot_m.filter(|spot_m| width_m[1] < *spot_m) {
-        let (spot_um, most_um) = (LENGTH_UM.from_si(spot_m), LENGTH_UM.from_si(width_m[1]));
+        let [spot_um, most_um] = [spot_m, width_m[1]].map(|length_m| significant(LENGTH_UM.from_si(length_m), 6));
         if let Some(spot) = file.laser.as_ref().and_then(|laser| laser.get_ref().spot_um.as_ref())
             && let Some(slip) = SPOT.within([1.0, most_um]).slip(spot_um)
         {
@@ -100,7 +100,10 @@ pub(super) fn read_limits(
         if bursts * burst_m > depth_m[1] * (1.0 + 1e-6) {
             return Err(document
                 .refuse(bounds.depth_um.span(), format!("holds no whole number of {}", depth_steps(laser)))
-                .expected(format!("a range with a multiple of {} um in it", LENGTH_UM.from_si(burst_m))));
+                .expected(format!(
+                    "a range with a multiple of {} um in it",
+                    significant(LENGTH_UM.from_si(burst_m), 6)
+                )));
         }
     }
     // The widest cavities at minimum depth.
