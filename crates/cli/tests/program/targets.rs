@@ -16,7 +16,7 @@ fn goals_and_bands_are_searched_told_and_drawn() {
     let place = Place::with(&[
         (
             "lowest.toml",
-            &design("goal = \"lowest\"", "min_bearing_area = 0.6\nlift_off = \"refuse\"\nmin_clearance_um = 1.0"),
+            &design("goal = \"lowest\"", "min_bearing_area = 0.6\nliftoff = \"refuse\"\nmin_clearance_um = 1.0"),
         ),
         ("even.toml", &trusted(&design("lowest = 0.7\nhighest = [1.0, 0.95]\ngoal = \"even\"", ""))),
         ("most.toml", &design("highest = [0.98, 0.9]\nweights = [1.0, 3.0]", "max_areal_density = 0.4")),

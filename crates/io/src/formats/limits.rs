@@ -39,8 +39,8 @@ pub struct LimitsFile {
     /// Minimum gap left under the ceiling of a cavity at every target pressure.
     min_clearance_um: Option<Number>,
     /// `refuse` rejects designs in which a contact block is under tension in the steady model of the infinite pattern;
-    /// the result says if blocks of the specimen are in time.
-    lift_off: Option<Spanned<String>>,
+    /// `tension_blocks` of the result counts those of the confirming run.
+    liftoff: Option<Spanned<String>>,
 }
 
 impl LimitsFile {
@@ -74,8 +74,8 @@ impl LimitsFile {
 /// [`Diagnostic`] if a number is out of range, or if the time under the laser is limited but cannot be estimated.
 pub fn read_limited(document: &Document, file: &LimitsFile, laser: &Laser) -> Result<Vec<Limit>, Diagnostic> {
     let read = |given: &Option<Number>, quantity| document.optional(given.as_ref(), quantity);
-    let least = |lift_off: &Spanned<String>| {
-        let refuses = document.choice(lift_off, &[true, false], |refused| if refused { "refuse" } else { "allow" });
+    let least = |liftoff: &Spanned<String>| {
+        let refuses = document.choice(liftoff, &[true, false], |refused| if refused { "refuse" } else { "allow" });
         refuses.map(|refuses| refuses.then_some(0.0))
     };
     let limits = [
@@ -84,7 +84,7 @@ pub fn read_limited(document: &Document, file: &LimitsFile, laser: &Laser) -> Re
         (ConstraintQuantity::ArealDensity, read(&file.max_areal_density, FRACTION)?),
         (ConstraintQuantity::LaserTime, read(&file.max_laser_time_s, TIME_S)?),
         (ConstraintQuantity::Clearance, read(&file.min_clearance_um, LENGTH_UM.or_zero())?),
-        (ConstraintQuantity::LeastPressure, file.lift_off.as_ref().map(least).transpose()?.flatten()),
+        (ConstraintQuantity::LeastPressure, file.liftoff.as_ref().map(least).transpose()?.flatten()),
     ];
     let missing = missing_for_time(laser);
     if let Some(limit) = file.max_laser_time_s.as_ref().filter(|_| !missing.is_empty()) {
