@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use slipgrid_base::monitor::Monitor;
 use slipgrid_infer::calibrate::{CalibrationTask, Coefficients, CutSample, Measurement, Selection, Surface};
-use slipgrid_laser::export::Specimen;
+use slipgrid_laser::export::{ExportError, Specimen};
 use slipgrid_model::material::Elastic;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Holder, Layer};
@@ -18,7 +18,7 @@ use super::measurements;
 use super::pattern::{PatternFile, check_depth, read_pattern};
 use super::reporting::Reporting;
 use super::scene::DEFAULT_LAYER;
-use super::stated_specimen::{StatedSpecimen, area_m2, extent_m, outline_told, sharing_force};
+use super::stated_specimen::{StatedSpecimen, area_m2, outline_told, sharing_force};
 use super::surface::{NamedMap, read_surface};
 use super::trace_notes::unrepeated;
 use super::trace_table::TraceReader;
@@ -30,9 +30,7 @@ use crate::formats::altitude_map::read_land;
 use crate::formats::plausible::{DENSITY, MODULUS, stiff_for_its_density};
 use crate::formats::source::Source;
 use crate::formats::{Diagnostic, Document, Spanned};
-use slipgrid_base::units::{
-    DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD,
-};
+use slipgrid_base::units::{DENSITY_G_CM3, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD};
 
 /// Default Poisson's ratio of the contact computation: the value of the model's lattice of blocks.
 pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
@@ -256,18 +254,9 @@ pub(crate) fn read_fitting_pattern(
 ) -> Result<Pattern, Diagnostic> {
     let pattern = read_pattern(document, table)?;
     check_depth(document, table.get_ref(), pattern.depth_m(), &DEFAULT_LAYER)?;
-    let (pitch_mm, extent_mm) = (LENGTH_MM.from_si(pattern.pitch_m()), LENGTH_MM.from_si(extent_m(&specimen.outline)));
-    if pitch_mm > extent_mm {
-        let reason = format!("repeats every {pitch_mm} mm, more than the specimen's {extent_mm} mm");
-        return Err(document
-            .refuse(table.span(), reason)
-            .expected("width_um and spacing_um of which a period fits on the specimen"));
-    }
-    if is_laid {
-        specimen.check(pattern).map_err(|error| {
-            document.refuse(table.span(), error.to_string()).expected("a pattern as it was cut into the specimen")
-        })?;
-    }
+    let checked = if is_laid { specimen.check(pattern) } else { specimen.check_period(&pattern) };
+    let refused = |error: ExportError| document.refuse(table.span(), error.to_string());
+    checked.map_err(|error| refused(error).expected("a pattern as it was cut into the specimen"))?;
     Ok(pattern)
 }
 

@@ -227,6 +227,10 @@ pub fn check_fits(
             .refuse(width_um, reason)
             .expected(format!("narrower cavities, or a specimen with an extent of at least {needed_mm} mm")));
     }
+    if let Some(error @ ExportError::NoPeriodFits { .. }) = error_at(0) {
+        let refused = document.refuse(table.span(), format!("is too small for any of the bounds: {error}"));
+        return Err(refused.expected("a larger specimen, or smaller bounds"));
+    }
     match error_at(1) {
         Some(error @ ExportError::TooManyCavities { .. }) => {
             Err(document.refuse(table.span(), error.to_string()).expected("a smaller specimen, or larger bounds"))

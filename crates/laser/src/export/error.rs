@@ -16,6 +16,14 @@ pub enum ExportError {
         /// Minimum extent for one cavity, in metres.
         needed_m: f64,
     },
+    /// The specimen is shorter than a period, so that it shows nothing of the pattern.
+    #[error("the pattern repeats every {} mm, more than the specimen's {} mm", mm(*pitch_m), mm(*extent_m))]
+    NoPeriodFits {
+        /// Pitch of the pattern, in metres.
+        pitch_m: f64,
+        /// Largest extent of the specimen, in metres.
+        extent_m: f64,
+    },
     /// There are too many cavities for a usable file.
     #[error("about {cavities:.0} cavities fit on the specimen: expected at most {most}")]
     TooManyCavities {

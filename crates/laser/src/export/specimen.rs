@@ -43,12 +43,24 @@ impl Specimen {
         is_alike && texture.slides_alike(other_deg)
     }
 
-    /// Checks whether `pattern` fits on the specimen, without computing the complete layout.
+    /// Checks whether `pattern` fits on the specimen with a period of it, without computing the complete layout. Designs
+    /// and trials follow this rule.
     ///
     /// # Errors
-    /// See [`Specimen::layout`].
+    /// See [`Specimen::layout`] and [`Specimen::check_period`].
     pub fn check(&self, pattern: Pattern) -> Result<(), ExportError> {
-        Layout::check(*self, pattern)
+        Layout::check(*self, pattern)?;
+        self.check_period(&pattern)
+    }
+
+    /// Checks whether the specimen is at least as long as a period of `pattern`, in either direction.
+    ///
+    /// # Errors
+    /// [`ExportError::NoPeriodFits`].
+    pub fn check_period(&self, pattern: &Pattern) -> Result<(), ExportError> {
+        let [x_m, y_m] = self.outline.extents_m();
+        let (pitch_m, extent_m) = (pattern.pitch_m(), x_m.max(y_m));
+        if pitch_m <= extent_m { Ok(()) } else { Err(ExportError::NoPeriodFits { pitch_m, extent_m }) }
     }
 }
 
@@ -59,6 +71,22 @@ pub const AT_THE_RIM: [&str; 2] = ["whole", "clipped"];
 mod tests {
     use super::*;
     use slipgrid_model::pattern::Planform;
+
+    #[test]
+    fn a_specimen_takes_what_repeats_on_it() {
+        let plate = Outline::Rectangle { length_m: 1e-3, width_m: 2e-3 };
+        for (outline, most_um) in [(Outline::Disc { diameter_m: 1e-3 }, 1000.0), (plate, 2000.0)] {
+            let specimen = Specimen { outline, is_clipped: true };
+            let of = |pitch_um: f64| {
+                let pattern = Pattern::new(Planform::Groove, 1e-4, (pitch_um - 100.0) * 1e-6, 1e-5).unwrap();
+                specimen.check(pattern)
+            };
+            assert_eq!(of(most_um - 0.1), Ok(()));
+            let refused = of(most_um + 1.0).unwrap_err();
+            assert!(matches!(refused, ExportError::NoPeriodFits { .. }), "{refused}");
+            assert!(refused.to_string().ends_with(&format!("mm, more than the specimen's {} mm", most_um / 1e3)));
+        }
+    }
 
     #[test]
     fn directions_are_alike_where_face_and_texture_are() {
