@@ -44,7 +44,7 @@ impl PendingTrial {
     }
 }
 
-/// The ledger reports the posterior scatter if the posterior weight of the stated scatter is below this value.
+/// The ledger doubts the stated scatter if its posterior weight is below this value.
 const BELIEVED: f64 = 0.5;
 
 /// Standard deviation of ln(ratio) between samples of one texture, for samples without an individually stated scatter.
@@ -67,16 +67,12 @@ impl SampleScatter {
         Some(Self { stated: tidy(stated.std), weight: tidy(stated.weight), found: tidy(learned.sample_std()) })
     }
 
-    /// States the posterior scatter in one line if the stated scatter is unlikely; otherwise empty.
+    /// States the posterior scatter in one line, and what speaks against the stated one if it is unlikely.
     pub(super) fn text(&self) -> String {
         let Self { stated, weight, found } = self;
-        if *weight >= BELIEVED {
-            return String::new();
-        }
-        format!(
-            "samples of one texture are taken to scatter by {found:.3} (standard deviation of ln ratio): that they scatter by {stated}, as \
-             sample_std says, has a weight of {weight:.3}\n"
-        )
+        let doubt = format!(": that they scatter by {stated}, as sample_std says, has a weight of {weight:.3}");
+        let doubt = if *weight < BELIEVED { &doubt } else { "" };
+        format!("samples of one texture are taken to scatter by {found:.3} (standard deviation of ln ratio){doubt}\n")
     }
 }
 

@@ -136,6 +136,10 @@ fn samples_of_one_texture_that_contradict_each_other_are_named() {
     // Samples that agree cause no contradiction warning.
     let text = ledger(vec![trial("A", 200.0, -0.1), trial("B", 700.0, -0.04), trial("C", 200.0, -0.1)]).text();
     assert!(!text.contains("contradicting"), "{text}");
+    // One sample says nothing against the stated scatter, which stands there all the same.
+    let text = ledger(vec![trial("A", 200.0, -0.1)]).text();
+    let scatter = text.lines().find(|line| line.starts_with("samples of one texture are taken to scatter by 0.0"));
+    assert!(scatter.is_some_and(|line| line.ends_with("(standard deviation of ln ratio)")), "{text}");
     let effects = [DiscrepancyEffect { of: "a speed".to_owned(), value: 0.0, std: 0.4, prior_std: 0.2 }];
     assert!(less_known(&effects).starts_with("less is known of a speed than before any trial"));
 }
