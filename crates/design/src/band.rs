@@ -3,7 +3,7 @@
 use crate::optimize::{Goal, Quantity};
 use slipgrid_base::statistics::extremes;
 use slipgrid_infer::calibrate::uncertainty::Covariance;
-use slipgrid_infer::discrepancy::{Conditions, Discrepancy, Load, Measured, Prediction as Distribution, Trial, Wanted};
+use slipgrid_infer::discrepancy::{Conditions, Discrepancy, Distribution, Load, Measured, Trial, Wanted};
 use slipgrid_model::material::END_MARGIN;
 
 use crate::DesignError;

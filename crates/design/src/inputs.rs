@@ -112,14 +112,14 @@ impl<'a> Inputs<'a> {
             let joint = with_scale(known, law, loads).map_err(of_material)?;
             let friction: Covariance = joint[..count].iter().map(|row| row[..count].to_vec()).collect();
             let variance = joint[count][count];
-            stated.push((Source::FlatFriction, percent(rms(&friction)), friction));
-            stated.push((Source::FittedScale, percent(variance.sqrt()), vec![vec![variance]]));
+            stated.push((Source::FlatFriction, known_to(rms(&friction)), friction));
+            stated.push((Source::FittedScale, known_to(variance.sqrt()), vec![vec![variance]]));
         } else {
             if let Some(covariance) = material.friction_covariance(&task.pressures_pa(), &conditions) {
-                stated.push((Source::FlatFriction, percent(rms(&covariance)), covariance));
+                stated.push((Source::FlatFriction, known_to(rms(&covariance)), covariance));
             }
             if let Some(std) = material.modulus_std(law) {
-                stated.push((Source::Modulus, percent(std), vec![vec![std * std]]));
+                stated.push((Source::Modulus, known_to(std), vec![vec![std * std]]));
             }
         }
         if law.is_some_and(|law| law.factor_std().is_some()) {
@@ -251,7 +251,7 @@ impl<'a> Inputs<'a> {
         }
         if let Some(std) = self.burst_std {
             let by_m = std::array::from_fn(|axis| if axis == DEPTH { std * design.depth_m() } else { 0.0 });
-            parts.push(part("depth per burst", percent(std), by_m, self.by_lengths(design, &by_m)?));
+            parts.push(part("depth per burst", known_to(std), by_m, self.by_lengths(design, &by_m)?));
         }
         Ok(parts)
     }
@@ -345,7 +345,7 @@ fn rms(covariance: &[Vec<f64>]) -> f64 {
 }
 
 /// Formats a relative standard deviation.
-pub fn percent(std: f64) -> String {
+pub fn known_to(std: f64) -> String {
     let percent = 100.0 * std;
     if percent < 9.95 { format!("known to {percent:.1} %") } else { format!("known to {percent:.0} %") }
 }

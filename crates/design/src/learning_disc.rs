@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::tidy;
-use slipgrid_infer::discrepancy::Prediction as Distribution;
+use slipgrid_infer::discrepancy::Distribution;
 use slipgrid_laser::export::Division;
 use slipgrid_model::pattern::{Pattern, Planform, Texture};
 

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::counted;
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
-use slipgrid_infer::discrepancy::{Load, Prediction};
+use slipgrid_infer::discrepancy::{Distribution, Load};
 
 use slipgrid_laser::export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, SpecimenRecord, Tolerances};
 use slipgrid_model::material::Provenance;
@@ -166,7 +166,7 @@ pub struct RatioPrediction {
 impl RatioPrediction {
     /// Creates the record for the load `at`, which has the index `row` in `prediction`, and a sample whose ratio by the
     /// model alone is `modelled`.
-    pub fn new(at: &Load, modelled: f64, prediction: &Prediction, row: usize) -> Self {
+    pub fn new(at: &Load, modelled: f64, prediction: &Distribution, row: usize) -> Self {
         let quantile = |p: f64| tidy(modelled * prediction.quantile(row, p).exp());
         Self {
             pressure_mpa: tidy(PRESSURE_MPA.from_si(at.pressure_pa)),

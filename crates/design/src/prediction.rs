@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::statistics::NORMAL_95;
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
-use slipgrid_infer::discrepancy::{Prediction as Distribution, Predictor, Score, Unknown, information};
+use slipgrid_infer::discrepancy::{Distribution, Predictor, Score, Unknown, information};
 
 use crate::as_cut::{CutTexture, Known, sums};
 use crate::band::Asked;
@@ -192,7 +192,7 @@ impl Prediction {
                 };
                 (self.texture.sensitivity[load].modulus * modulus_std).hypot(curved)
             };
-            let known_to = crate::inputs::percent(modulus_std);
+            let known_to = crate::inputs::known_to(modulus_std);
             let known = predictor.of_known(&still.candidate(), Unknown::Modulus);
             add(MODULUS, known_to, ratio_std(&of_modulus), &known);
         }

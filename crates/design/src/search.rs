@@ -25,7 +25,7 @@ use crate::as_cut::{BeyondCells, CutTexture, Known};
 use crate::band::Asked;
 use crate::confirmation::{confirming_scene, run_in_time};
 use crate::evaluation_cache::Answer;
-use crate::inputs::{InputEffect, Inputs, Part, percent};
+use crate::inputs::{InputEffect, Inputs, Part, known_to};
 use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::sensitivities::Models;
@@ -308,7 +308,7 @@ impl Search<'_> {
             name: effect.name(),
             known_to: match effect {
                 Effect::Tilt if holder.is_none() => "as nobody says how it is held".to_owned(),
-                Effect::Tilt => percent(tilt_relative_error(holder)),
+                Effect::Tilt => known_to(tilt_relative_error(holder)),
                 _ => format!("known to {:.1} % of the ratio", 100.0 * most),
             },
             effect: InputEffect::Shared(covariance),

@@ -61,7 +61,7 @@ pub struct FittedPair {
 
 /// Model results for one measurement with the fitted coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prediction {
+pub struct ModelledRow {
     /// Modelled dynamic friction of the flat sample with the fitted coefficients.
     pub mu_dynamic: f64,
     /// Modelled minus measured dynamic friction coefficient.
@@ -107,7 +107,7 @@ pub struct Fit {
     /// Fitted coefficients: one pair for all measurements, or one per measurement.
     pub pairs: Vec<FittedPair>,
     /// One prediction per measurement.
-    pub predictions: Vec<Prediction>,
+    pub predictions: Vec<ModelledRow>,
     /// All fitted parameters, with bounds, intervals and profiles.
     pub parameters: Vec<Parameter>,
     /// Covariance matrix in the order of `parameters`, with the logarithm of the area law's scale in place of the
@@ -368,7 +368,7 @@ fn report(model: &Model<'_>, confirmed: &Corrections, solution: &Solution, settl
             let mu_dynamic = measured.mu_dynamic + fitted + moved;
             let pair = pairs.get(i).unwrap_or(&pairs[0]);
             let factor = area_law.as_ref().map_or(1.0, |law| law.factor(problem.pressure_pa(measured)));
-            Prediction {
+            ModelledRow {
                 mu_dynamic,
                 over_local_law: mu_dynamic / (pair.dynamic_mean * factor),
                 residual: fitted + moved,

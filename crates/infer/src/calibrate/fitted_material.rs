@@ -17,7 +17,7 @@ use crate::calibrate::select_measurements::{as_written, by_condition};
 use crate::calibrate::surface_area_law_source::{AreaLawOrigin, SurfaceFindings};
 use crate::calibrate::trial_discrepancy::{Learned, note};
 use crate::calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty, flat_friction};
-use crate::calibrate::{Coefficients, Fit, FittedPair, FittedRow, Measurement, Prediction, split_parameter_name};
+use crate::calibrate::{Coefficients, Fit, FittedPair, FittedRow, Measurement, ModelledRow, split_parameter_name};
 
 /// Result of a calibration.
 #[derive(Clone, Debug, PartialEq)]
@@ -230,7 +230,7 @@ fn pairs_by_condition(
 /// Groups the fitted rows by speed and humidity: groups in the order of the measurements, rows of a group by increasing
 /// pressure.
 fn fitted_rows(task: &CalibrationTask, measurements: &[Measurement], fit: &Fit) -> Vec<(Condition, Vec<FittedRow>)> {
-    let row = |(measured, (&pair, predicted)): (&Measurement, (&FittedPair, &Prediction))| {
+    let row = |(measured, (&pair, predicted)): (&Measurement, (&FittedPair, &ModelledRow))| {
         let row = FittedRow {
             pressure_pa: task.pressure_pa(measured),
             pair,

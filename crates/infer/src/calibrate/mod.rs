@@ -97,7 +97,7 @@ pub use calibration_task::{CalibrationError, CalibrationTask, MapSurface, Select
 pub use contradicting_samples::contradicting_samples;
 pub use cut_sample::{CutSample, CutSpecimen, TrialsTask};
 pub use fit::{
-    Fit, FittedPair, FittedRow, Parameter, Prediction, STATIC_OVER_DYNAMIC, fit_coefficients, planned_steps,
+    Fit, FittedPair, FittedRow, ModelledRow, Parameter, STATIC_OVER_DYNAMIC, fit_coefficients, planned_steps,
 };
 pub use fit_problem::{AreaLawScale, Coefficients, FitError, Measurement, Problem, StaticPeak, split_parameter_name};
 pub use fitted_material::CalibrationOutcome;

@@ -1,8 +1,8 @@
 //! Information about the mechanism, which is the family of the form, from measuring several values at once.
 
-use crate::discrepancy::{Component, Form, Prediction, information};
+use crate::discrepancy::{Component, Distribution, Form, information};
 
-impl Prediction {
+impl Distribution {
     /// Families of forms with their weights in this prediction, in the order of the forms.
     pub fn families(&self) -> Vec<(&'static str, f64)> {
         let mut all: Vec<(&'static str, f64)> = Vec::new();

@@ -4,7 +4,7 @@ use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::statistics::normal_quantile;
 
 use crate::discrepancy::mixture::{Member, is_same};
-use crate::discrepancy::{Component, Discrepancy, Prediction};
+use crate::discrepancy::{Component, Discrepancy, Distribution};
 use slipgrid_base::statistics::cholesky::{cholesky, dot, is_regular, log_determinant, solve_lower};
 
 /// Measurements to leave out at a time.
@@ -111,7 +111,7 @@ fn conditional(
     covariances: &[Vec<f64>],
     (excess, prior_mean): (&[f64], &[f64]),
     [known, wanted]: [&[usize]; 2],
-) -> Prediction {
+) -> Distribution {
     let (n, k, m) = (excess.len(), known.len(), wanted.len());
     let mut evidences = Vec::new();
     let mut components = Vec::new();
@@ -144,5 +144,5 @@ fn conditional(
     }
     let sum: f64 = components.iter().map(|component| component.weight).sum();
     components.iter_mut().for_each(|component| component.weight /= sum);
-    Prediction { components }
+    Distribution { components }
 }

@@ -29,7 +29,7 @@
 //! | [`Form`], [`Features`] | growth of the discrepancy with the texture, and the features that it depends on |
 //! | [`Hyperparameters`] | prior standard deviations, with their reasons |
 //! | [`Discrepancy`] | posterior mixture given the trials |
-//! | [`Predictor`], [`Prediction`] | prediction for a texture at given loads: quantiles, covariance, chance to be on target |
+//! | [`Predictor`], [`Distribution`] | prediction for a texture at given loads: quantiles, covariance, chance to be on target |
 //! | [`Contradiction`] | two samples of one texture that differ by more than the stated scatter |
 //! | [`leave_out`] | cross-validation: every trial and every condition predicted from all others |
 //! | [`Wanted`], [`Score`] | chance that a sample is on target, and ranking of textures |
@@ -75,7 +75,7 @@ pub use leave_out::{LeftOut, Surprise, leave_out};
 pub(crate) use mixture::is_same;
 pub use mixture::{Discrepancy, FormWeight};
 pub use next_trial::{Candidate, Score, Wanted, information};
-pub use prediction::{Component, Load, Prediction, Predictor, Unknown};
+pub use prediction::{Component, Distribution, Load, Predictor, Unknown};
 pub use scatter::{Contradiction, ScatterWeight};
 pub use scenarios::Scenarios;
 pub use trial::{DimensionShift, Measured, Sensitivity, Trial};

@@ -2,7 +2,7 @@
 
 use slipgrid_base::statistics::{BoxRule, Normals};
 
-use crate::discrepancy::{Component, DimensionShift, Features, Form, Prediction, Sensitivity};
+use crate::discrepancy::{Component, DimensionShift, Distribution, Features, Form, Sensitivity};
 use slipgrid_base::statistics::cholesky::{cholesky, covariance_factor, dot, is_regular, log_determinant, solve_lower};
 
 /// Weight of [`Score::closeness`] relative to the chance: a texture that misses by little teaches more about the target
@@ -72,16 +72,16 @@ impl Wanted {
     }
 
     /// Scores a texture with the given `prediction` and `modelled` ratios.
-    pub fn score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
+    pub fn score(&self, prediction: &Distribution, modelled: &[f64]) -> Score {
         self.score_by(prediction, modelled, POINTS)
     }
 
     /// Like [`Self::score`], but less exact and faster, to compare many textures.
-    pub fn rough_score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
+    pub fn rough_score(&self, prediction: &Distribution, modelled: &[f64]) -> Score {
         self.score_by(prediction, modelled, ROUGH_POINTS)
     }
 
-    fn score_by(&self, prediction: &Prediction, modelled: &[f64], points: usize) -> Score {
+    fn score_by(&self, prediction: &Distribution, modelled: &[f64], points: usize) -> Score {
         let bounds = self.over(modelled);
         Score { chance: chance(prediction, &bounds, points), closeness: closeness(prediction, &bounds) }
     }
@@ -89,7 +89,7 @@ impl Wanted {
 
 /// Chance that a sample lies between `lower` and `upper` at all loads, from about `points` integration points, divided
 /// between the components by their maximum contributions.
-fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], points: usize) -> f64 {
+fn chance(prediction: &Distribution, [lower, upper]: &[Vec<f64>; 2], points: usize) -> f64 {
     let n = lower.len();
     let most: Vec<f64> = prediction.components.iter().map(|of| of.weight * of.most_within(lower, upper)).collect();
     let sum: f64 = most.iter().sum();
@@ -110,7 +110,7 @@ fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], points: usize
 }
 
 /// Computes [`Score::closeness`].
-fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
+fn closeness(prediction: &Distribution, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
     let n = lower.len();
     let close = |of: &Component| {
         let at = |load: usize| {
@@ -131,7 +131,7 @@ fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
 /// Information about the kind of form, which `kind` names, from measuring a sample, in nats: the expected decrease of the
 /// entropy of the kinds' weights if each load is measured with the relative standard error `measured_std`. Seeded draws,
 /// with an error of a tenth of the result.
-pub fn information<K: PartialEq>(prediction: &Prediction, measured_std: f64, kind: impl Fn(&Form) -> K) -> f64 {
+pub fn information<K: PartialEq>(prediction: &Distribution, measured_std: f64, kind: impl Fn(&Form) -> K) -> f64 {
     let n = prediction.loads();
     let members: Vec<_> = prediction
         .components

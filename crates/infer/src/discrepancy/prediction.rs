@@ -76,7 +76,7 @@ pub enum Unknown {
 
 /// Prediction for one texture: the logarithm of a cut sample's true ratio over the modelled one, at each load.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Prediction {
+pub struct Distribution {
     /// One normal distribution per member of the mixture.
     pub components: Vec<Component>,
 }
@@ -179,13 +179,13 @@ impl Predictor {
 
     /// Predicts a sample with the features `of` and without errors of its dimensions, with the `sensitivity` of its
     /// modelled ratio to Young's modulus and the local law at each load. Includes the scatter of the sample.
-    pub fn predict(&self, of: &Features, sensitivity: &[Sensitivity]) -> Prediction {
+    pub fn predict(&self, of: &Features, sensitivity: &[Sensitivity]) -> Distribution {
         self.predict_made(of, sensitivity, &[])
     }
 
     /// Predicts ln(true ratio / modelled ratio as designed) of a sample with independent errors `shifts` of its
     /// dimensions, which change its modelled ratio and the discrepancy. First order in the shifts, per form.
-    pub fn predict_made(&self, of: &Features, sensitivity: &[Sensitivity], shifts: &[DimensionShift]) -> Prediction {
+    pub fn predict_made(&self, of: &Features, sensitivity: &[Sensitivity], shifts: &[DimensionShift]) -> Distribution {
         let (modelled, covariance) = (&[][..], &[][..]);
         let of = Candidate { features: *of, modelled, sensitivity, covariance, dimension_shifts: shifts };
         self.predicted(&[of], None)
@@ -194,7 +194,7 @@ impl Predictor {
     /// Predicts samples that share all unknowns except the errors of their dimensions; values are sorted by sample,
     /// then by load. Covariances are those given the `known` unknown, if any: what trials say of a sum of two unknowns then
     /// tells the other. The covariances of `samples` are not added.
-    fn predicted(&self, samples: &[Candidate<'_>], known: Option<Unknown>) -> Prediction {
+    fn predicted(&self, samples: &[Candidate<'_>], known: Option<Unknown>) -> Distribution {
         let n = self.loads.len();
         let rows: Vec<(usize, usize)> = (0..samples.len()).flat_map(|of| (0..n).map(move |load| (of, load))).collect();
         let all = rows.len();
@@ -332,22 +332,22 @@ impl Predictor {
             }
             Component { form: member.member.form, weight: member.member.weight, mean, covariance }
         };
-        Prediction { components: self.members.iter().map(component).collect() }
+        Distribution { components: self.members.iter().map(component).collect() }
     }
 
     /// Predicts a sample of `candidate`, including its dimension shifts and covariance.
-    pub fn of(&self, candidate: &Candidate<'_>) -> Prediction {
+    pub fn of(&self, candidate: &Candidate<'_>) -> Distribution {
         self.predicted(&[*candidate], None).with(candidate.covariance)
     }
 
     /// Predicts a sample of `candidate` if `known` were exactly what it is expected to be.
-    pub fn of_known(&self, candidate: &Candidate<'_>, known: Unknown) -> Prediction {
+    pub fn of_known(&self, candidate: &Candidate<'_>, known: Unknown) -> Distribution {
         self.predicted(&[*candidate], Some(known)).with(candidate.covariance)
     }
 
     /// Predicts `samples` of one disc, which share its scatter and the errors of the material; values are sorted by
     /// sample, then by load. Marginals equal those of [`Self::of`].
-    pub fn on_one_disc(&self, samples: &[Candidate<'_>]) -> Prediction {
+    pub fn on_one_disc(&self, samples: &[Candidate<'_>]) -> Distribution {
         let (n, all) = (self.loads.len(), samples.len() * self.loads.len());
         let factor = |of: &Candidate<'_>| {
             if of.covariance.is_empty() { vec![0.0; n * n] } else { covariance_factor(of.covariance, n) }
@@ -372,7 +372,7 @@ impl Component {
     }
 }
 
-impl Prediction {
+impl Distribution {
     /// Number of predicted values: loads, times samples in a joint prediction.
     pub fn loads(&self) -> usize {
         self.components.first().map_or(0, |component| component.mean.len())

@@ -382,7 +382,7 @@ fn what_is_known_leaves_to_the_rest_what_the_trial_says() {
             dimension_shifts: &[],
         };
         let given = |p: f64| p - p * p / (p + s2 + e2) + s2;
-        let variance = |of: Prediction| of.moments(0).1.powi(2);
+        let variance = |of: Distribution| of.moments(0).1.powi(2);
         let predictor = known.at(&at);
         for (found, expected) in [
             (predictor.of(&candidate), given(a2 + x2)),

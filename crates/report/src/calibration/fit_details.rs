@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use slipgrid_infer::calibrate::{Measurement, Parameter, Prediction, split_parameter_name};
+use slipgrid_infer::calibrate::{Measurement, ModelledRow, Parameter, split_parameter_name};
 
 use super::{Fitted, StaticPeakFit};
 use crate::ChartError;
@@ -127,7 +127,7 @@ impl Fitted {
 
     /// Draws the residuals of all measurements, with the measured standard deviations as error bars.
     pub(super) fn residuals(&self) -> Result<String, ChartError> {
-        let residual = |(of, predicted): (&Measurement, &Prediction)| {
+        let residual = |(of, predicted): (&Measurement, &ModelledRow)| {
             let (speed, humidity) = (SPEED_MM_S.from_si(of.speed_m_s), HUMIDITY_PCT.from_si(of.humidity));
             let label = format!("{} N {speed} mm/s {humidity} %", of.force_n);
             (label, Estimate { value: predicted.residual, error: Some(of.mu_dynamic_std) })

@@ -12,7 +12,7 @@ pub(crate) use static_friction::{table as static_table, words as static_words};
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, counted};
 use slipgrid_design::results::{SCREEN_WIDTH, Table, WHERE_ALL, doubts_in_brief, fixed, wrapped};
-use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask, FittedPair, Measurement, Prediction};
+use slipgrid_infer::calibrate::{CalibrationOutcome, CalibrationTask, FittedPair, Measurement, ModelledRow};
 use slipgrid_io::formats::calibration::Calibration;
 
 use crate::friction_sheet::{self, FrictionSheet};
@@ -143,7 +143,7 @@ impl Fitted {
     }
 
     /// Measurements on flat samples, each with the model's prediction.
-    pub(crate) fn measured(&self) -> impl Iterator<Item = (&Measurement, &Prediction)> {
+    pub(crate) fn measured(&self) -> impl Iterator<Item = (&Measurement, &ModelledRow)> {
         self.outcome.measurements.iter().zip(&self.outcome.fit.predictions)
     }
 

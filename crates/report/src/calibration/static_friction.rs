@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use slipgrid_base::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 use slipgrid_design::results::{Table, fixed};
-use slipgrid_infer::calibrate::{Measurement, Prediction};
+use slipgrid_infer::calibrate::{Measurement, ModelledRow};
 
 use super::Fitted;
 
@@ -32,7 +32,7 @@ pub struct StaticPeakFit {
 impl Fitted {
     /// One row per measured static peak.
     pub(crate) fn static_rows(&self) -> Vec<StaticPeakFit> {
-        let row = |(measured, predicted): (&Measurement, &Prediction)| {
+        let row = |(measured, predicted): (&Measurement, &ModelledRow)| {
             let peak = measured.static_peak?;
             Some(StaticPeakFit {
                 force_n: measured.force_n,

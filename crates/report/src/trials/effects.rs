@@ -56,7 +56,7 @@ pub(super) fn effects(learned: &Discrepancy) -> Vec<DiscrepancyEffect> {
     let heavier = Load { pressure_pa: 2.0 * at.pressure_pa, ..at };
     found.push(effect("twice the pressure".to_owned(), heavier, Some(at)));
     for humidity in humidities.iter().filter(|humidity| **humidity != at.humidity) {
-        let of = format!("a humidity of {} % in place of {} %", percent(*humidity), percent(at.humidity));
+        let of = format!("a humidity of {} % in place of {} %", humidity_pct(*humidity), humidity_pct(at.humidity));
         found.push(effect(of, Load { humidity: *humidity, ..at }, Some(at)));
     }
     found
@@ -89,7 +89,7 @@ fn central(learned: &Discrepancy) -> (Load, String) {
     match nearest {
         Some(load) => {
             let pressure = fixed(Some(PRESSURE_MPA.from_si(load.pressure_pa)), 2);
-            let [speed, humidity] = [tidy(SPEED_MM_S.from_si(load.speed_m_s)), percent(load.humidity)];
+            let [speed, humidity] = [tidy(SPEED_MM_S.from_si(load.speed_m_s)), humidity_pct(load.humidity)];
             let name =
                 format!("discrepancy at the texture of the last trial, {pressure} MPa, {speed} mm/s, {humidity} %");
             (load, name)
@@ -102,6 +102,6 @@ fn central(learned: &Discrepancy) -> (Load, String) {
     }
 }
 
-fn percent(humidity: f64) -> f64 {
+fn humidity_pct(humidity: f64) -> f64 {
     tidy(HUMIDITY_PCT.from_si(humidity))
 }

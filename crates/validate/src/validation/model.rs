@@ -66,7 +66,7 @@ pub struct Case<'a> {
 
 /// Model results at one measurement.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Prediction {
+pub struct ModelledRatios {
     /// Area factor f at the nominal pressure.
     pub area_law_factor: f64,
     /// Local dynamic coefficient: measured flat friction over the area factor f.
@@ -92,7 +92,7 @@ pub fn predict(
     cases: &[Case<'_>],
     points: &[FlatPoint],
     progress: &dyn Monitor,
-) -> Result<Vec<Vec<Prediction>>, Failure> {
+) -> Result<Vec<Vec<ModelledRatios>>, Failure> {
     let share = 1.0 / cases.len() as f64;
     cases
         .par_iter()
@@ -140,7 +140,7 @@ fn coefficients(law: Option<&AreaLaw>, point: &FlatPoint) -> [f64; 2] {
     [area_law_factor, point.mu_flat / area_law_factor]
 }
 
-fn solve(body: Body<'_>, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Prediction>, Failure> {
+fn solve(body: Body<'_>, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<ModelledRatios>, Failure> {
     let coefficients: Vec<[f64; 2]> = points.iter().map(|point| coefficients(case.law, point)).collect();
     let scene = scene(body, case.law, case.pattern, points)?;
     let in_space = Scene { pattern: Some(squares(&case.pattern)), ..scene.clone() };
@@ -167,7 +167,7 @@ fn solve(body: Body<'_>, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Pr
                 Some((in_plane, in_space)) => [beyond(in_plane, &outcome), beyond(in_space, &squares)],
                 None => [None, None],
             };
-            Prediction { area_law_factor, dynamic_mean, outcome, squares, thick, errors }
+            ModelledRatios { area_law_factor, dynamic_mean, outcome, squares, thick, errors }
         })
         .collect())
 }
@@ -185,7 +185,7 @@ mod tests {
     /// Short layer, so that the test takes milliseconds.
     const LAYER: Layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None };
 
-    fn predicted(law: Option<&AreaLaw>, depth_m: f64) -> Vec<Prediction> {
+    fn predicted(law: Option<&AreaLaw>, depth_m: f64) -> Vec<ModelledRatios> {
         let pattern = Pattern::new(Planform::Groove, 60e-6, 140e-6, depth_m).unwrap();
         let points = [(0.3e6, 0.25), (2.6e6, 0.278)].map(|(pressure_pa, mu_flat)| FlatPoint {
             pressure_pa,
@@ -206,7 +206,7 @@ mod tests {
         assert_eq!((light.area_law_factor, light.dynamic_mean), (1.0, 0.25));
         assert!((heavy.area_law_factor - 0.8).abs() < 1e-12 && (heavy.dynamic_mean - 0.3475).abs() < 1e-12);
         assert!((heavy.outcome.mu_flat.unwrap() - 0.278).abs() < 1e-12);
-        let ratio = |prediction: &Prediction| prediction.outcome.ratio.unwrap();
+        let ratio = |prediction: &ModelledRatios| prediction.outcome.ratio.unwrap();
         assert!(ratio(heavy) < ratio(light) && ratio(light) < 1.0);
         for prediction in [light, heavy] {
             let squares = prediction.squares.ratio.unwrap();

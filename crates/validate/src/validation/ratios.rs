@@ -6,7 +6,7 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Status;
 
 use super::laws::ScaledLaw;
-use super::model::{FlatPoint, Prediction, squares};
+use super::model::{FlatPoint, ModelledRatios, squares};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::calibration::Calibration;
@@ -191,7 +191,7 @@ impl RatioReport {
 
 impl ModelledRatio {
     /// Makes the record of `prediction` for `pattern` with the area law `law`.
-    pub fn new(law: &ScaledLaw, pattern: &Pattern, prediction: &Prediction) -> Self {
+    pub fn new(law: &ScaledLaw, pattern: &Pattern, prediction: &ModelledRatios) -> Self {
         let (surface, square) = (&prediction.outcome.surface, &prediction.squares.surface);
         let std = |planform: usize, of: fn(&Deviations) -> &Deviation| {
             prediction.errors[planform].as_ref().map(|known| tidy(of(known).std))

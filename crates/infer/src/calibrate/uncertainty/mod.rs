@@ -24,7 +24,7 @@ pub use local_law::{local_law, local_law_changes, with_local_law};
 pub use material_uncertainty::{CoefficientEstimate, MaterialUncertainty};
 pub use sampling_scatter::{SamplingScatter, sampling_scatter};
 
-use crate::discrepancy::Prediction;
+use crate::discrepancy::Distribution;
 
 /// Errors of a material at the loads of a scene; the area law carries its own errors.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -75,7 +75,7 @@ pub struct DiscrepancyAt {
 
 impl DiscrepancyAt {
     /// Converts `prediction` to one value per load.
-    pub fn each(prediction: &Prediction) -> Vec<Self> {
+    pub fn each(prediction: &Distribution) -> Vec<Self> {
         let at = |(load, median): (usize, f64)| {
             let reach = |outside: f64| {
                 [median - prediction.quantile(load, outside), prediction.quantile(load, 1.0 - outside) - median]

@@ -3,13 +3,13 @@
 use super::*;
 
 /// Prediction of two values by two forms of equal weight with these means of the second value, the first unknown.
-fn two_forms(means: [f64; 2]) -> Prediction {
+fn two_forms(means: [f64; 2]) -> Distribution {
     let of = |(form, mean): (Form, f64)| {
         // The first value is unknown by 0.2, the second equals it up to 0.01.
         let covariance = vec![0.04, 0.04, 0.04, 0.0401];
         Component { form, weight: 0.5, mean: vec![0.0, mean], covariance }
     };
-    Prediction { components: [Form::Density, Form::Edge].into_iter().zip(means).map(of).collect() }
+    Distribution { components: [Form::Density, Form::Edge].into_iter().zip(means).map(of).collect() }
 }
 
 #[test]
