@@ -4,6 +4,8 @@ use crate::common::{CALIBRATION, COMMANDS, Place, names};
 use slipgrid_io::formats::Document;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::design::Design;
+use slipgrid_io::formats::run::Overrides;
+use slipgrid_io::formats::scene::SceneInput;
 
 #[test]
 fn templates_run_as_they_are() {
@@ -54,6 +56,63 @@ fn commented_keys_of_templates_are_known() {
             && design.task.laser.speed_mm_s.is_some()
             && design.task.specimen.is_clipped
     );
+}
+
+/// Line of a template without the mark of a comment, if it is a key or a header that is commented out.
+fn uncommented(line: &str) -> Option<&str> {
+    let bare = line.strip_prefix("# ")?;
+    let name = bare.split(" = ").next().filter(|name| bare.len() > name.len());
+    let is_key = name.is_some_and(|name| name.bytes().all(|byte| matches!(byte, b'a'..=b'z' | b'0'..=b'9' | b'_')));
+    (is_key || bare.starts_with('[')).then_some(bare)
+}
+
+/// Every commented key of a template is known in the table in which it stands.
+#[test]
+fn no_template_shows_a_key_that_is_refused() {
+    let place = Place::with(&[]);
+    let [calibration, scene] = ["calibration", "scene"].map(|template| {
+        let made = place.succeed(&["new", template]);
+        place.read(if template == "scene" { made.trim_end() } else { "calibration/calibration.toml" })
+    });
+    let of_calibration = |text: String| Calibration::from_document(&Document::new("c.toml", text)).map(|_| ());
+    let of_scene =
+        |text: String| SceneInput::from_document(Document::new("s.toml", text), Overrides::default()).map(|_| ());
+    let mut counts = [0, 0];
+    for (number, text) in [calibration, scene].into_iter().enumerate() {
+        let lines: Vec<&str> = text.lines().collect();
+        for place in (0..lines.len()).filter(|place| uncommented(lines[*place]).is_some()) {
+            // With the commented headers above it.
+            let block = lines[..place].iter().rposition(|line| !line.starts_with('#')).map_or(0, |at| at + 1);
+            let shown = (0..lines.len()).map(|own| {
+                let is_header = (block..place).contains(&own) && lines[own].starts_with("# [");
+                uncommented(lines[own]).filter(|_| own == place || is_header).unwrap_or(lines[own]).to_owned() + "\n"
+            });
+            let read = if number == 0 { of_calibration(shown.collect()) } else { of_scene(shown.collect()) };
+            let refused = read.err().map_or_else(String::new, |refused| refused.to_string());
+            assert!(!refused.contains("is not a known key") && !refused.contains("wrong type"), "{refused}");
+            counts[number] += 1;
+        }
+    }
+    assert!(counts[0] > 90 && counts[1] > 20, "{counts:?}");
+}
+
+#[test]
+fn the_trial_of_the_template_is_read() {
+    let place = Place::with(&[]);
+    place.succeed(&["new", "calibration"]);
+    let text = place.read("calibration/calibration.toml");
+    let (before, rest) = text.split_once("# [[trial]]").unwrap();
+    let (trial, after) = rest.split_once("# [[trial.traces]]").unwrap();
+    let trial: String = trial.lines().map(|line| uncommented(line).unwrap_or(line).to_owned() + "\n").collect();
+    place.write("calibration/calibration.toml", format!("{before}[[trial]]{trial}# [[trial.traces]]{after}"));
+    place.write("calibration/cut-1.csv", place.read("calibration/flat.csv"));
+    let read = Calibration::read(&slipgrid_io::disk::disk(), &place.path("calibration/calibration.toml")).unwrap();
+    assert_eq!(read.stated.trials.samples.iter().map(|cut| cut.measured.len()).collect::<Vec<_>>(), [3]);
+    // Without the name of the list the table is none of the trial's.
+    let stray = place.read("calibration/calibration.toml").replace("[trial.pattern]", "[pattern]");
+    place.write("calibration/calibration.toml", stray);
+    let refused = place.refuse(&["calibrate", "calibration/calibration.toml"]);
+    assert!(refused.contains("trial.pattern: is missing; expected [trial.pattern], as [pattern] in line"), "{refused}");
 }
 
 #[test]

@@ -105,7 +105,7 @@ pub fn refuse(path: &Path, error: &PreparationError) -> Diagnostic {
             let [least, most] = limits::POSSIBLE_SLOPE;
             refused.reason += &listed(warnings);
             refused.expected(format!(
-                "a slope from {least:e} to {most}: see the units of heights (--height-unit, height_unit) and of pixels"
+                "a slope from {least:e} to {most}: see the units of heights (height_unit) and of pixels"
             ))
         }
     }

@@ -182,10 +182,16 @@ impl Document {
             let (keys, by) = (kind.needed_table(key)?, kind.written_by());
             Some(format!("a table [{key}] with {keys}, as `{by}` writes one"))
         });
+        // A table below the one that lacks it may have lost the first part of its heading.
+        let stray = outer.as_ref().and_then(|outer| {
+            let line = self.line(DeTable::parse(&self.text).ok()?.get_ref().get_key_value(key)?.0.span().start);
+            let is_below = line > self.line(table.start);
+            is_below.then(|| format!("[{outer}.{key}], as [{key}] in line {line} may mean"))
+        });
         Diagnostic {
             line: Some(self.line(table.start)),
             key: Some(outer.map_or_else(|| key.into(), |outer| format!("{outer}.{key}").into())),
-            expected: needed.or_else(|| needed_value(key)).map(Into::into),
+            expected: stray.or(needed).or_else(|| needed_value(key)).map(Into::into),
             ..Diagnostic::file(&self.path, "is missing")
         }
     }

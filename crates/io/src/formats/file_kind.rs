@@ -51,10 +51,12 @@ impl FileKind {
     /// # Errors
     /// [`Diagnostic`] that names the apparent kind, the command that takes it, and the expected kind.
     pub fn require(self, path: &Path, text: &str) -> Result<(), Diagnostic> {
-        match Self::of(text).filter(|&found| found != self) {
-            Some(found) => Err(Diagnostic::file(path, found.seems()).expected(self.expected())),
-            None => Ok(()),
-        }
+        let seems = match Self::of(text) {
+            Some(found) if found != self => found.seems(),
+            None if is_table_of_numbers(text) => TABLE_OF_NUMBERS,
+            _ => return Ok(()),
+        };
+        Err(Diagnostic::file(path, seems).expected(self.expected()))
     }
 
     /// Creates a diagnostic for the folder at `path`, given in place of a file, which suggests the first file of this
@@ -126,6 +128,21 @@ impl FileKind {
     }
 }
 
+/// Reason to refuse a table of numbers; names the commands that read one.
+const TABLE_OF_NUMBERS: &str = "is a table of numbers: `slipgrid surface` and `area-law` take an altitude map, `traces` a recording, and a \
+                                calibration names tables of friction";
+
+/// Whether no line of `text` assigns a value, and one has numbers alone, two or more. Lists of TOML may have such lines,
+/// but follow a `=`.
+fn is_table_of_numbers(text: &str) -> bool {
+    let lines = || text.lines().filter(|line| !line.trim_start().starts_with('#'));
+    let is_row = |line: &str| {
+        let fields = || line.split([',', ';', '\t', ' ']).map(str::trim).filter(|field| !field.is_empty());
+        fields().count() > 1 && fields().all(|field| field.parse::<f64>().is_ok())
+    };
+    lines().all(|line| !line.contains('=')) && lines().any(is_row)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -151,6 +168,18 @@ mod tests {
             ("force_n,speed_mm_s\n50,2\n", None),
         ] {
             assert_eq!(FileKind::of(text), kind, "{text}");
+        }
+    }
+
+    #[test]
+    fn tables_of_numbers_are_told_from_toml() {
+        for table in ["width_um,mu\n100,0.9\n", "# a = map\n1.0 2.0\n", "a;b\n1;2\n", "x\ty\n1e-3\t-2\n"] {
+            let refused = FileKind::Design.require(Path::new("a.csv"), table).unwrap_err().to_string();
+            assert!(refused.starts_with("a.csv: is a table of numbers: `slipgrid surface`"), "{refused}");
+            assert!(refused.ends_with("expected a design file, with [target] and [bounds]"), "{refused}");
+        }
+        for other in ["value = [\n1.0, 2.0,\n", "", "load", "[load\n1 b\n", "1\n2\n"] {
+            assert!(FileKind::Design.require(Path::new("a.toml"), other).is_ok(), "{other}");
         }
     }
 

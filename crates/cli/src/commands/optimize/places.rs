@@ -44,11 +44,11 @@ pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice:
         }
         Advice::TrialMeetsIt { is_best: true, .. } => text + "next    make the trial's texture\n",
         Advice::TrialMeetsIt { is_best: false, .. } => {
-            text + "next    make the trial's texture; to come closer, cut the one above as another trial\n"
+            text + "next    make the trial's texture; to come closer, cut pattern.dxf as another trial\n"
         }
         Advice::CannotBeMet { keeps_limits: false } => text + "next    accept another limit, or widen a bound\n",
         Advice::CannotBeMet { keeps_limits: true } => {
-            text + "next    accept more, widen a bound or a limit, or cut the texture above as a trial\n"
+            text + "next    accept more, widen a bound or a limit, or cut pattern.dxf, the likeliest, as a trial\n"
         }
         Advice::Series | Advice::DoNotTexture => text,
     }
