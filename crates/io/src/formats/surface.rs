@@ -58,6 +58,7 @@ pub struct SurfaceFile {
     /// Replace spikes by the median of the neighbouring points; false when absent.
     despike: Option<bool>,
     /// Form that is subtracted from the map: `mean`, `plane` or `second-order`; `plane` when absent.
+    /// From a map of exactly one period only the mean is subtracted.
     #[schemars(with = "Option<String>")]
     form: Option<Form>,
     /// Pressure up to which friction counts as proportional to load; without the key, area factors are relative to the
