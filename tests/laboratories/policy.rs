@@ -2,7 +2,7 @@
 
 use slipgrid_base::statistics::Normals;
 use slipgrid_infer::discrepancy::{
-    Candidate, Conditions, DimensionShift, Discrepancy, Form, Hyperparameters, Prediction as Distribution, Predictor,
+    Candidate, Conditions, DimensionShift, Discrepancy, Distribution, Form, Hyperparameters, Predictor,
     Score, Trial, Wanted,
 };
 
