@@ -80,8 +80,8 @@ pub fn statements(prepared: &PreparedTask) -> Vec<String> {
             if lowest < highest { format!("{} to {}", tidy(lowest), tidy(highest)) } else { tidy(lowest).to_string() }
         };
         statements.push(format!(
-            "{} mm/s and {} % of humidity: friction is lowest and highest at its ends and at measured conditions inside, since \
-             coefficients are linear in between",
+            "{} mm/s and {} % of humidity: computed at its ends and at measured conditions inside, since coefficients are linear \
+             in between, and at humidities at most 20 % apart, since the model's error is another one at each",
             ends(range.speed_m_s().map(|speed| SPEED_MM_S.from_si(speed))),
             ends(range.humidity().map(|humidity| HUMIDITY_PCT.from_si(humidity))),
         ));

@@ -237,9 +237,9 @@ impl DesignTask {
         }
     }
 
-    /// Finds conditions of all ranges that include the lowest and highest `friction`, each once. Chooses the design
-    /// condition among those of the first range, unless it is already set, and sets the others as further conditions.
-    /// Does nothing without ranges.
+    /// Finds conditions of all ranges that include the lowest and highest `friction`, each once, and humidities between
+    /// them. Chooses the design condition among those of the first range, unless it is already set, and sets the others as
+    /// further conditions. Does nothing without ranges.
     ///
     /// # Errors
     /// [`Refusal`] of a range that reaches outside the measured conditions.
@@ -248,13 +248,14 @@ impl DesignTask {
         let mut all: Vec<Condition> = Vec::new();
         for (place, range) in self.ranges.iter().enumerate() {
             let refuse = |error: MaterialError| Refusal::new(TaskPart::ConditionRange(place), error.to_string());
-            for condition in friction.extremes(range).map_err(refuse)? {
+            let extremes = friction.extremes(range).map_err(refuse)?;
+            if self.condition.is_none() {
+                self.condition = friction.primary(first, &extremes);
+            }
+            for condition in with_humidities_between(&extremes) {
                 if !all.iter().any(|known| known.matches(&condition)) {
                     all.push(condition);
                 }
-            }
-            if self.condition.is_none() {
-                self.condition = friction.primary(first, &all);
             }
         }
         let Some(condition) = self.condition else { return Ok(()) };
@@ -342,6 +343,28 @@ impl DesignTask {
     pub fn block_um(&self) -> f64 {
         LENGTH_UM.from_si(self.layer.block_m)
     }
+}
+
+/// Maximum difference of computed humidities in a range. The model's error is another one at each humidity
+/// (`Hyperparameters::humidity_length`): the chance at humidities in such steps is at most 0.02 above that of the whole
+/// range (`the_chance_over_a_range_of_humidities_does_not_depend_on_how_many_are_computed`).
+const HUMIDITY_STEP: f64 = 0.2;
+
+/// Adds humidities to `conditions`, sorted by speed and humidity, so that those at one speed differ by at most
+/// [`HUMIDITY_STEP`].
+fn with_humidities_between(conditions: &[Condition]) -> Vec<Condition> {
+    let mut all: Vec<Condition> = Vec::new();
+    for own in conditions {
+        if let Some(last) = all.last().copied().filter(|last| last.speed_m_s == own.speed_m_s) {
+            let apart = own.humidity - last.humidity;
+            let steps = (apart / HUMIDITY_STEP - 1e-9).ceil().max(1.0);
+            // At most five, so the cast is exact.
+            let at = |step: u32| tidy(last.humidity + apart * f64::from(step) / steps);
+            all.extend((1..steps as u32).map(|step| Condition { humidity: at(step), ..*own }));
+        }
+        all.push(*own);
+    }
+    all
 }
 
 /// Maximum ratio of nominal pressure to Young's modulus in measurements and designs: beyond it no solid is linear

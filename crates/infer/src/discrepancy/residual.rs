@@ -1,5 +1,9 @@
-//! Residual c of a form: a Gaussian process of the logarithms of width, pitch, depth and pressure with a squared
-//! exponential kernel, expanded exactly about the trials.
+//! Gaussian processes with a squared exponential kernel, expanded exactly about the trials: the residual c of a form, of
+//! the logarithms of width, pitch, depth and pressure; and eta and gamma, of humidity.
+//!
+//! A sample is on target over a range only if it is at every point of it. Paths of this kernel are smooth, so the chance
+//! converges with the second power of the step between computed points; those of exp(-|dH| / length) are rough, and the
+//! chance falls with every further point.
 //!
 //! With places x_1 ... x_m of the trials, K their correlation and K = L L^T, the values of c at a place x are
 //!
@@ -18,7 +22,8 @@ use slipgrid_base::statistics::cholesky::{dot, solve_lower};
 /// error of other terms.
 const EXPLAINED: f64 = 1e-12;
 
-/// Texture at a pressure: the logarithms of width, pitch, depth and pressure, each over its correlation length.
+/// Texture at a pressure: the logarithms of width, pitch, depth and pressure, each over its correlation length; or a
+/// humidity over its correlation length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place(pub [f64; 4]);
 
@@ -30,21 +35,25 @@ impl Place {
         Self([width / length, pitch / length, depth / length, pressure])
     }
 
-    /// Prior correlation exp(-|x - y|^2 / 2) of the residual at two places x and y.
+    pub fn of_humidity(hyper: &Hyperparameters, humidity: f64) -> Self {
+        Self([humidity / hyper.humidity_length, 0.0, 0.0, 0.0])
+    }
+
+    /// Prior correlation exp(-|x - y|^2 / 2) of a process at two places x and y.
     pub fn correlation(&self, other: &Self) -> f64 {
         let square: f64 = self.0.iter().zip(other.0).map(|(a, b)| (a - b) * (a - b)).sum();
         libm::exp(-0.5 * square)
     }
 }
 
-/// Places of the expansion of the residual, with the lower factor of their correlation.
+/// Places of the expansion of a process, with the lower factor of their correlation.
 #[derive(Clone, Debug)]
-pub struct ResidualBasis {
+pub struct KernelBasis {
     pub places: Vec<Place>,
     factor: Vec<f64>,
 }
 
-impl ResidualBasis {
+impl KernelBasis {
     /// Selects places by a pivoted Cholesky factorization (Higham, Accuracy and Stability of Numerical Algorithms, 10.3):
     /// each step takes the place of maximum remaining variance.
     pub fn new(mut candidates: Vec<Place>) -> Self {
@@ -97,7 +106,7 @@ mod tests {
     fn places_that_others_explain_are_left_out_and_correlations_are_kept() {
         let place = |x: f64, y: f64| Place([x, 0.0, y, 0.0]);
         let all = vec![place(0.0, 0.0), place(1.0, 0.5), place(0.0, 0.0), place(1e-7, 0.0), place(-0.3, 2.0)];
-        let basis = ResidualBasis::new(all.clone());
+        let basis = KernelBasis::new(all.clone());
         assert_eq!(basis.places.len(), 3);
         for a in &all {
             for b in &all {
@@ -108,6 +117,6 @@ mod tests {
         // The basis explains little far from all places, and nearly everything close to one.
         let explained = |at: Place| dot(&basis.whitened(&at), &basis.whitened(&at));
         assert!(explained(place(6.0, 6.0)) < 1e-6 && explained(place(0.01, 0.0)) > 0.999);
-        assert_eq!(ResidualBasis::new(Vec::new()).whitened(&place(0.0, 0.0)), Vec::<f64>::new());
+        assert_eq!(KernelBasis::new(Vec::new()).whitened(&place(0.0, 0.0)), Vec::<f64>::new());
     }
 }

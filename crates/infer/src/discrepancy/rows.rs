@@ -2,10 +2,9 @@
 //! a load.
 
 use crate::discrepancy::mixture::is_same;
-use crate::discrepancy::residual::{Place, ResidualBasis};
+use crate::discrepancy::residual::{KernelBasis, Place};
 use crate::discrepancy::{Conditions, Features, Hyperparameters, Load, Sensitivity, Trial};
-use slipgrid_base::statistics::cholesky::{cholesky, dot, solve_lower};
-use slipgrid_base::units;
+use slipgrid_base::statistics::cholesky::dot;
 
 /// Number of coefficients before those of the humidities: alpha (amplitude), beta (pressure) and kappa (speed).
 const OF_LOAD: usize = 3;
@@ -40,23 +39,16 @@ pub struct Basis {
     pub modulus_std: f64,
     /// Loads at which trials were measured: each has one error of the flat sample.
     pub flat: Vec<Load>,
-    humidities: Vec<f64>,
-    /// Lower factor of the correlation of eta, and of gamma, at the measured humidities.
-    humidity_factor: Vec<f64>,
+    /// Expansion of eta, and of gamma, about the measured humidities.
+    humidity_basis: KernelBasis,
     /// Expansion of the residual.
-    pub residual_basis: ResidualBasis,
+    pub residual_basis: KernelBasis,
 }
 
 impl Basis {
     /// Builds the basis for a posterior given `trials`.
     pub fn new(hyper: &Hyperparameters, conditions: Conditions, modulus_std: f64, trials: &[Trial]) -> Self {
         let measured = || trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at)));
-        let mut levels: Vec<f64> = measured().map(|(_, at)| at.load.humidity).collect();
-        levels.sort_by(f64::total_cmp);
-        levels.dedup_by(|a, b| units::is_same(*a, *b));
-        let n = levels.len();
-        let correlation: Vec<f64> =
-            levels.iter().flat_map(|a| levels.iter().map(|b| correlation(hyper, *a, *b))).collect();
         let mut flat: Vec<Load> = Vec::new();
         for (_, at) in measured().filter(|(_, at)| at.flat_std > 0.0) {
             if !flat.iter().any(|known| is_same(known, &at.load)) {
@@ -65,10 +57,11 @@ impl Basis {
         }
         let places = measured().map(|(trial, at)| Place::new(hyper, &trial.features, &at.load)).collect();
         Self {
-            residual_basis: ResidualBasis::new(places),
-            humidity_factor: cholesky(&correlation, n).unwrap_or_default(),
+            humidity_basis: KernelBasis::new(
+                measured().map(|(_, at)| Place::of_humidity(hyper, at.load.humidity)).collect(),
+            ),
+            residual_basis: KernelBasis::new(places),
             flat,
-            humidities: levels,
             hyper: hyper.clone(),
             conditions,
             modulus_std,
@@ -77,7 +70,7 @@ impl Basis {
 
     /// Number of coefficients that a form multiplies, without the residual.
     pub fn of_form(&self) -> usize {
-        OF_LOAD + OF_HUMIDITY * self.humidities.len()
+        OF_LOAD + OF_HUMIDITY * self.humidity_basis.places.len()
     }
 
     /// Number of all coefficients: errors of the flat sample, those of a form, eps and lambda, and those of the residual.
@@ -118,22 +111,19 @@ impl Basis {
         [self.hyper.humidity_std, self.hyper.inverse_pressure_std * q]
     }
 
-    /// Basis functions of eta and of gamma at a humidity: L^-1 k, with the correlations k with the measured humidities
-    /// and the factor L of their correlation.
+    /// Basis functions of eta and of gamma at a humidity.
     fn humidity(&self, humidity: f64) -> Vec<f64> {
-        let mut row: Vec<f64> =
-            self.humidities.iter().map(|level| correlation(&self.hyper, *level, humidity)).collect();
-        solve_lower(&self.humidity_factor, self.humidities.len(), &mut row);
-        row
+        self.humidity_basis.whitened(&Place::of_humidity(&self.hyper, humidity))
     }
 
     /// Covariance of the humidity term eta + gamma q, q = P1 / P, at two loads that remains given the measured
     /// humidities.
     pub fn humidity_left(&self, a: &Load, b: &Load) -> f64 {
-        let explained = dot(&self.humidity(a.humidity), &self.humidity(b.humidity));
-        let left = correlation(&self.hyper, a.humidity, b.humidity) - explained;
+        let [at_a, at_b] = [a, b].map(|load| Place::of_humidity(&self.hyper, load.humidity));
+        let [known_a, known_b] = [&at_a, &at_b].map(|at| self.humidity_basis.whitened(at));
+        let left = at_a.correlation(&at_b) - dot(&known_a, &known_b);
         // At a measured humidity only rounding errors remain.
-        if left.abs() < 1e-12 { 0.0 } else { dot(&self.of_humidity(a), &self.of_humidity(b)) * left }
+        if left.abs() < 1e-11 { 0.0 } else { dot(&self.of_humidity(a), &self.of_humidity(b)) * left }
     }
 
     /// Place of a texture and a load in the residual's coordinates.
@@ -178,11 +168,6 @@ impl Basis {
         row.extend(self.residual(&self.place(of, load)).iter().map(|entry| form * residual * entry));
         row
     }
-}
-
-/// Prior correlation exp(-|a - b| / length) of eta, or of gamma, at two relative humidities.
-fn correlation(hyper: &Hyperparameters, a: f64, b: f64) -> f64 {
-    libm::exp(-(a - b).abs() / hyper.humidity_length)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use slipgrid_base::statistics::Normals;
 use slipgrid_base::statistics::cholesky::covariance_factor;
 
 use crate::discrepancy::mixture::Member;
-use crate::discrepancy::residual::{Place, ResidualBasis};
+use crate::discrepancy::residual::{KernelBasis, Place};
 use crate::discrepancy::rows::Basis;
 use crate::discrepancy::{Candidate, Discrepancy, Load, Sensitivity, Wanted};
 use slipgrid_base::statistics::cholesky::dot;
@@ -58,7 +58,7 @@ const OF_LOCAL_LAW: u64 = 4 << 32;
 const OF_FLAT: u64 = 5 << 32;
 
 impl ResidualDraw {
-    fn new(basis: &ResidualBasis, normals: &mut Normals) -> Self {
+    fn new(basis: &KernelBasis, normals: &mut Normals) -> Self {
         let wave = |_| {
             let frequency = std::array::from_fn(|_| normals.draw());
             // Uniform phase, from the argument of two normal deviates.

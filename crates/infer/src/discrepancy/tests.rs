@@ -424,7 +424,7 @@ fn without_an_effect_samples_scatter_alone() {
 }
 
 /// Compares with N(y; 0, K) conditioned on the measurements:
-/// K = A^2 + B^2 u u' + S^2 s s' + (N^2 + G^2 q q') exp(-|H - H'| / 0.3).
+/// K = A^2 + B^2 u u' + S^2 s s' + (N^2 + G^2 q q') exp(-(H - H')^2 / (2 0.25^2)).
 #[test]
 fn effects_of_low_loads_belong_to_a_humidity() {
     let hyper = one_form();
@@ -434,7 +434,7 @@ fn effects_of_low_loads_belong_to_a_humidity() {
     let known = learned_exactly(hyper, vec![measured]);
     let covariance = |a: &Load, b: &Load| {
         let both = |of: fn(&Load) -> f64| of(a) * of(b);
-        let humidity = (-(a.humidity - b.humidity).abs() / 0.3).exp();
+        let humidity = (-0.5 * ((a.humidity - b.humidity) / 0.25).powi(2)).exp();
         0.2_f64.powi(2)
             + 0.06_f64.powi(2) * both(|at| (at.pressure_pa - 1.5e6) / 1.5e6)
             + 0.05_f64.powi(2) * both(|at| (at.speed_m_s / 2e-3).ln())
