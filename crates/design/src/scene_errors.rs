@@ -152,7 +152,7 @@ impl Solved<'_> {
 }
 
 /// Computes the errors of the results of `scene`, and the results corrected by the trials of the material, `None` for a
-/// flat scene or without trials.
+/// flat scene or without trials. `face_share` is that of [`Features`], 1 without a specimen.
 ///
 /// # Errors
 /// [`MaterialError`] if the area law, changed by its errors, is invalid.
@@ -160,7 +160,7 @@ pub fn of_scene(
     scene: &Scene,
     uncertainty: &MaterialUncertainty,
     condition: Option<&Condition>,
-    simulation: &Simulation,
+    (simulation, face_share): (&Simulation, f64),
 ) -> Result<(ErrorsReport, Option<CorrectedReport>), MaterialError> {
     let knowledge = uncertainty.at_loads(scene.area_law.as_ref(), &scene.loads, condition)?;
     let slopes = Slopes::new(scene, &knowledge);
@@ -182,9 +182,10 @@ pub fn of_scene(
     let by_law = law.map_or_else(|| vec![0.0; ratios.len()], |law| local_law_changes(scene, pattern, &law));
     let sensitivity = of_modulus.into_iter().zip(by_law).map(|(modulus, local_law)| Sensitivity { modulus, local_law });
     let sensitivity: Vec<Sensitivity> = sensitivity.collect();
+    let features = Features { face_share, ..Features::from(pattern) };
     let corrected = |shares: &[Vec<f64>], flat_friction: Option<Vec<f64>>| {
         let predictor = learned.of_friction_at(&places, shares);
-        let factors = DiscrepancyAt::each(&predictor.predict(&Features::from(pattern), &sensitivity));
+        let factors = DiscrepancyAt::each(&predictor.predict(&features, &sensitivity));
         let aimed = InputUncertainty { discrepancy: Some(factors.clone()), flat_friction, ..knowledge.clone() };
         (Solved { knowledge: &aimed, ..solved }.errors(), factors)
     };
@@ -286,7 +287,7 @@ mod tests {
     /// Errors at the only load of `scene`, whose material is exact, and its simulation.
     fn errors(scene: &Scene) -> (PressureErrors, Simulation) {
         let simulation = simulate(scene, &Unwatched).unwrap();
-        let (errors, _) = of_scene(scene, &MaterialUncertainty::default(), None, &simulation).unwrap();
+        let (errors, _) = of_scene(scene, &MaterialUncertainty::default(), None, (&simulation, 1.0)).unwrap();
         (errors.by_pressure[0].clone(), simulation)
     }
 

@@ -209,7 +209,8 @@ impl Search<'_> {
         let [made_ratio, designed] =
             [made, &found.texture.pattern].map(|pattern| model.ratios_made(pattern, &laid).ok());
         let by: Vec<f64> = made_ratio?.iter().zip(designed?).map(|(made, designed)| (made / designed).ln()).collect();
-        let (designed, features) = (&found.texture.features, Features::from(made));
+        let designed = &found.texture.features;
+        let features = Features { face_share: laid.share(made), ..made.into() };
         let shifts = found.texture.dimension_shifts.iter().map(|shift| shift.about(designed, &features));
         let texture = CutTexture { features, dimension_shifts: shifts.collect(), ..found.texture.clone() };
         Some(self.predicted(texture.moved(&by)))

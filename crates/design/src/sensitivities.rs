@@ -36,6 +36,10 @@ pub struct Modelled {
     pub log_ratio: Vec<f64>,
     /// Sensitivity of ln R to inputs that all textures share.
     pub sensitivity: Vec<Sensitivity>,
+    /// Fraction of the face that is cavity, over that of a period ([`Features::face_share`]).
+    ///
+    /// [`Features::face_share`]: slipgrid_infer::discrepancy::Features::face_share
+    pub face_share: f64,
 }
 
 /// Model of the search, with models for the changes of friction ratios with Young's modulus, and if friction follows
@@ -138,7 +142,7 @@ impl<'a> Models<'a> {
     pub fn at(&self, design: &Pattern) -> Result<Modelled, ModelFailure> {
         let log_ratio: Vec<f64> = self.own.steady(design)?.ratio.iter().map(|ratio| ratio.ln()).collect();
         let sensitivity = from_numbers(&self.numbers(design)?, log_ratio.len());
-        Ok(Modelled { log_ratio, sensitivity })
+        Ok(Modelled { log_ratio, sensitivity, face_share: self.own.lay(design)?.share(design) })
     }
 
     /// Computes d ln R / d ln E, R the friction ratio and E Young's modulus, of `design` at every load, followed by the

@@ -239,9 +239,10 @@ impl Table {
     pub fn at(&self, design: &Pattern, laid: &Laid) -> Option<(Modelled, Answer)> {
         let values = self.values(design)?;
         let answer = self.answer_of(design, &values)?;
-        let log_ratio = self.on_specimen(values, laid.share(design))?;
+        let face_share = laid.share(design);
+        let log_ratio = self.on_specimen(values, face_share)?;
         let numbers = self.sensitivities.at(design.lengths_m()).unwrap_or_default();
-        Some((Modelled { log_ratio, sensitivity: from_numbers(&numbers, self.loads) }, answer))
+        Some((Modelled { log_ratio, sensitivity: from_numbers(&numbers, self.loads), face_share }, answer))
     }
 
     /// Interpolated results for `design` without ratios, which needs no layout; `None` as for [`Self::at`].

@@ -142,7 +142,7 @@ pub(super) fn trial(
             Some(tidy(((other + added) / (own + added)).ln()))
         };
         let log_ratio = known.iter().map(change).collect::<Option<Vec<f64>>>();
-        let above = tidy_features(&moved);
+        let above = tidy_features(&moved, 1.0);
         dimension_shifts.extend(log_ratio.map(|log_ratio| DimensionShift { log_ratio, above, below: None }));
     }
     // d ln (r + a) = r / (r + a) d ln r
@@ -161,7 +161,8 @@ pub(super) fn trial(
             local_law: tidy(sensitivity.local_law * steady / (steady + added)),
         },
     });
-    let (mut measured, features) = (measured.collect::<Vec<Measured>>(), tidy_features(&cut.pattern));
+    let face_share = on_face.as_ref().map_or(1.0, |on_face| on_face.share(&cut.pattern));
+    let (mut measured, features) = (measured.collect::<Vec<Measured>>(), tidy_features(&cut.pattern, face_share));
     // A measured law holds for the flat sample's land alone.
     let law = law.0.filter(|_| !law.1.is_empty());
     let land = cut
@@ -182,7 +183,7 @@ pub(super) fn trial(
 }
 
 /// Features of `pattern`, rounded as in a material file.
-fn tidy_features(pattern: &Pattern) -> Features {
+fn tidy_features(pattern: &Pattern, face_share: f64) -> Features {
     let features = Features::from(pattern);
     Features {
         areal_density: tidy(features.areal_density),
@@ -190,6 +191,7 @@ fn tidy_features(pattern: &Pattern) -> Features {
         width_m: tidy(features.width_m),
         pitch_m: tidy(features.pitch_m),
         depth_m: tidy(features.depth_m),
+        face_share: tidy(face_share),
     }
 }
 

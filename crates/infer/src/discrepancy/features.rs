@@ -5,9 +5,9 @@ use slipgrid_model::pattern::Pattern;
 /// Features of a texture that the discrepancy depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Features {
-    /// Fraction of the face that is cavity.
+    /// Fraction of a period that is cavity.
     pub areal_density: f64,
-    /// Edge length of the cavities over the area of the face, in 1/m.
+    /// Edge length of the cavities over the area of a period, in 1/m.
     pub edge_1_m: f64,
     /// Width of a cavity, in metres.
     pub width_m: f64,
@@ -15,6 +15,9 @@ pub struct Features {
     pub pitch_m: f64,
     /// Depth of a cavity, in metres.
     pub depth_m: f64,
+    /// Fraction of the face that is cavity, over that of a period: the border of a small specimen leaves cavities out, or
+    /// takes one more.
+    pub face_share: f64,
 }
 
 impl From<&Pattern> for Features {
@@ -25,6 +28,7 @@ impl From<&Pattern> for Features {
             width_m: pattern.width_m(),
             pitch_m: pattern.pitch_m(),
             depth_m: pattern.depth_m(),
+            face_share: 1.0,
         }
     }
 }

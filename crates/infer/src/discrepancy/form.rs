@@ -62,6 +62,12 @@ impl Form {
         }
     }
 
+    /// Evaluates the form for a texture on its face: cavities lower the friction of a specimen in proportion to the
+    /// share of the face that they take, as in the modelled ratio.
+    pub fn on_face(&self, of: &Features) -> f64 {
+        of.face_share * self.value(of)
+    }
+
     /// Family of the form: the feature that it grows with.
     pub const fn family(&self) -> &'static str {
         match self {

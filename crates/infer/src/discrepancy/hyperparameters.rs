@@ -74,6 +74,7 @@ impl Default for Hyperparameters {
                 width_m: 130e-6,
                 pitch_m: 500e-6,
                 depth_m: 5.2e-6,
+                face_share: 1.0,
             },
             amplitude_std: 0.2,
             pressure_std: 0.06,

@@ -56,7 +56,7 @@ pub(crate) struct Member {
 impl Member {
     /// Value of the form, 1 at the reference texture, times the scale.
     pub fn value(&self, of: &Features) -> f64 {
-        self.scale * self.form.value(of) / self.at_reference
+        self.scale * self.form.on_face(of) / self.at_reference
     }
 }
 

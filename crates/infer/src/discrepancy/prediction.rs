@@ -211,7 +211,7 @@ impl Predictor {
             })
             .collect();
         let form_at = |form: &Form, of: &Candidate<'_>| FormAt {
-            value: form.value(&of.features),
+            value: form.on_face(&of.features),
             log_shifts: of.dimension_shifts.iter().map(|shift| shift.log_form(form, &of.features)).collect(),
             mean: of.dimension_shifts.iter().map(|shift| shift.mean_form(form, &of.features)).product(),
         };

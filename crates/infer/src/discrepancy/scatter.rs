@@ -112,7 +112,7 @@ impl Discrepancy {
         let excess = |row: usize| all[row].1.log_excess();
         let difference: Vec<f64> = rows.iter().map(|[a, b]| excess(*a) - excess(*b)).collect();
         // ln h(x1) - ln h(x2), maximum over the forms: the effect of the difference in texture.
-        let change = |form: &Form| libm::log(form.value(&first.features) / form.value(&second.features)).abs();
+        let change = |form: &Form| libm::log(form.on_face(&first.features) / form.on_face(&second.features)).abs();
         let of_forms = self.hyperparameters().forms.iter().map(|(form, _)| change(form));
         let of_forms = of_forms.filter(|change| change.is_finite()).fold(0.0, f64::max);
         // The corresponding effect of errors of the dimensions: forms grow at most with the square of a width or spacing,

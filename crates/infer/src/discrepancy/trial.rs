@@ -42,6 +42,7 @@ impl DimensionShift {
             width_m: own.width_m + to.width_m - from.width_m,
             pitch_m: own.pitch_m + to.pitch_m - from.pitch_m,
             depth_m: own.depth_m + to.depth_m - from.depth_m,
+            face_share: to.face_share,
         };
         Self { log_ratio: self.log_ratio.clone(), above: moved(&self.above), below: self.below.as_ref().map(moved) }
     }

@@ -33,9 +33,9 @@ pub struct LearnedFile {
 struct LearnedTrial {
     /// Name of the sample.
     name: String,
-    /// Fraction of the face that is cavity.
+    /// Fraction of a period that is cavity.
     areal_density: f64,
-    /// Length of cavity edges per area of the face.
+    /// Length of cavity edges per area of a period.
     edge_per_mm: f64,
     /// Width of a cavity.
     width_um: f64,
@@ -43,6 +43,8 @@ struct LearnedTrial {
     pitch_um: f64,
     /// Depth of a cavity.
     depth_um: f64,
+    /// Fraction of the face that is cavity, over `areal_density`; 1 when absent.
+    face_share: Option<f64>,
     /// Standard deviation of ln(ratio) between samples of this texture.
     sample_std: Option<f64>,
     /// Standard error of the mean width, used to decide whether two trials have the same texture; 0 when absent.
@@ -96,7 +98,8 @@ fn to_columns(of: &Features) -> [f64; 5] {
 /// Converts the columns of [`to_columns`] back to features of a texture.
 fn from_columns([areal_density, edge_per_mm, lengths_um @ ..]: &[f64; 5]) -> Features {
     let [width_m, pitch_m, depth_m] = lengths_um.map(|length_um| tidy(LENGTH_UM.to_si(length_um)));
-    Features { areal_density: *areal_density, edge_1_m: tidy(edge_per_mm / PER_MM), width_m, pitch_m, depth_m }
+    let edge_1_m = tidy(edge_per_mm / PER_MM);
+    Features { areal_density: *areal_density, edge_1_m, width_m, pitch_m, depth_m, face_share: 1.0 }
 }
 
 impl LearnedFile {
@@ -116,6 +119,7 @@ impl LearnedFile {
                 width_um,
                 pitch_um,
                 depth_um,
+                face_share: Some(trial.features.face_share).filter(|share| *share != 1.0),
                 sample_std: trial.sample_std,
                 width_std_um: of_length(0),
                 spacing_std_um: of_length(1),
@@ -190,7 +194,8 @@ impl LearnedFile {
                 },
             };
             let LearnedTrial { areal_density, edge_per_mm, width_um, pitch_um, depth_um, .. } = *trial;
-            let features = from_columns(&[areal_density, edge_per_mm, width_um, pitch_um, depth_um]);
+            let columns = [areal_density, edge_per_mm, width_um, pitch_um, depth_um];
+            let features = Features { face_share: trial.face_share.unwrap_or(1.0), ..from_columns(&columns) };
             let shift = |(place, log_ratio): (usize, &Vec<f64>)| {
                 let columns = trial.texture_of_dimensions.get(place).and_then(|columns| columns.first_chunk::<5>());
                 // For a file written before the key existed: the changes of the model alone.

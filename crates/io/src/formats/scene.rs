@@ -24,6 +24,7 @@ use slipgrid_design::results::SimulationReport;
 use slipgrid_design::{KnownMaterial, SpecimenError, TaskPart, check_pressures, correct, loads, of_scene};
 use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_laser::export::{Outline, Specimen, SpecimenRecord};
+use slipgrid_laser::specimen::Laid;
 
 /// A scene in the form of its file.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -274,7 +275,11 @@ impl SceneInput {
         let pressures_pa: Vec<f64> = scene.loads.iter().map(|load| load.pressure_pa).collect();
         let excess = self.uncertainty.excess(&pressures_pa, condition);
         correct(&mut simulation, scene, excess.as_deref());
-        let errors = of_scene(scene, &self.uncertainty, condition, &simulation)?;
+        let laid = scene.pattern.as_ref().zip(self.specimen.as_ref());
+        let share = laid.and_then(|(pattern, specimen)| {
+            Some(Laid::new(Some(specimen), pattern, scene.dimension()).ok()?.share(pattern))
+        });
+        let errors = of_scene(scene, &self.uncertainty, condition, (&simulation, share.unwrap_or(1.0)))?;
         let (provenance, outside) = (&self.material.provenance, &self.friction_extrapolated);
         let report = SimulationReport::new(scene, provenance, outside, &simulation, errors);
         Ok((simulation, report))

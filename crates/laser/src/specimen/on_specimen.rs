@@ -175,6 +175,11 @@ impl SteadyOnFace {
         Ok(steady_face_bytes(&scene, pattern, &solved_face(BANDS, &specimen.layout(*pattern)?, scene.layer.block_m)?)?)
     }
 
+    /// Areal density of the face over that of an infinite pattern, for a sample with the dimensions `made`.
+    pub fn share(&self, made: &Pattern) -> f64 {
+        self.laid.share(made)
+    }
+
     /// Term added to the friction ratio for the specimen's ends and pressure tilt at the load with the index `place`,
     /// after the correction for areal density; `None` if strips have no ratio.
     pub fn added(&self, place: usize) -> Option<f64> {
@@ -184,7 +189,7 @@ impl SteadyOnFace {
     /// Friction ratio on the specimen at the load with the index `place`, for a cut sample with the dimensions `made`;
     /// `cell` is the ratio of an infinite pattern with these dimensions. `None` if strips have no ratio.
     pub fn ratio(&self, cell: f64, made: &Pattern, place: usize) -> Option<f64> {
-        Some(on_face(cell, self.laid.share(made)) + self.added(place)?)
+        Some(on_face(cell, self.share(made)) + self.added(place)?)
     }
 }
 

@@ -151,6 +151,21 @@ fn a_sample_is_modelled_in_its_own_holder() {
     assert_eq!([modelled(None, rigid), modelled(aligned, rigid)], [all, none]);
 }
 
+/// The share of the face that is cavity is that of the cavities that fit.
+#[test]
+fn a_sample_has_the_cavities_that_its_specimen_takes() {
+    let task = task(vec![measured(2.0, 0.4, 0.27)], Planform::Square);
+    let mut task = CalibrationTask { specimen_area_m2: 0.95e-6, ..task };
+    let sample = &mut task.trials.samples[0];
+    let outline = slipgrid_laser::export::Outline::Disc { diameter_m: 1.1e-3 };
+    let specimen = slipgrid_laser::export::Specimen { outline, is_clipped: false };
+    sample.specimen.face = Some(specimen);
+    let layout = specimen.layout(sample.pattern).unwrap();
+    let expected = layout.areal_density() / sample.pattern.areal_density();
+    let features = learn_alone(&task, &Unwatched).unwrap().discrepancy.trials()[0].features;
+    assert!(expected < 0.9 && (features.face_share - expected).abs() < 1e-11, "{features:?} {expected}");
+}
+
 /// Designs treat fitted and measured laws as independent of the modulus. A trial must do so as well, or part of its
 /// effect would be lost.
 #[test]

@@ -93,3 +93,20 @@ fn dimensions_as_made_move_physics_and_discrepancy_of_trial_and_sample() {
         assert!(log_excess.is_none() || as_designed > chance + 0.03, "{as_designed} {chance}");
     }
 }
+
+/// The border of a small specimen changes the share of its face that is cavity, and the friction that cavities cost with
+/// it: an excess y learned on a face of the share s is y s' / s on one of the share s', and y / s in an endless pattern.
+#[test]
+fn a_discrepancy_is_in_proportion_to_the_share_of_the_face_that_is_cavity() {
+    let hyper = Hyperparameters { sample_std: 1e-9, ..amplitude_alone() };
+    let on = |face_share: f64| Features { face_share, ..hyper.reference };
+    let exact = |log| Measured { flat_std: 0.0, ..measured(load(1.3, 2.0, 40.0), log, 1e-9, Sensitivity::default()) };
+    let known = learned(
+        Hyperparameters { least_measured_std: 1e-9, ..hyper.clone() },
+        vec![cut("small", on(0.9), vec![exact(-0.18)])],
+    );
+    for share in [0.9, 1.0, 1.1] {
+        let found = known.at(&[load(1.3, 2.0, 40.0)]).predict(&on(share), &[Sensitivity::default()]).moments(0).0;
+        assert!((found + 0.2 * share).abs() < 1e-6, "{share}: {found}");
+    }
+}
