@@ -179,7 +179,8 @@ pub fn of_scene(
     let ratios: Vec<f64> = simulation.loads.iter().map(|load| load.ratio().unwrap_or(1.0)).collect();
     let of_modulus = slopes.modulus_sensitivity(&ratios, &knowledge);
     let law = uncertainty.local_law(scene.area_law.as_ref(), condition);
-    let by_law = law.map_or_else(|| vec![0.0; ratios.len()], |law| local_law_changes(scene, pattern, &law));
+    let on_face = (&ratios[..], face_share);
+    let by_law = law.map_or_else(|| vec![0.0; ratios.len()], |law| local_law_changes(scene, pattern, &law, on_face));
     let sensitivity = of_modulus.into_iter().zip(by_law).map(|(modulus, local_law)| Sensitivity { modulus, local_law });
     let sensitivity: Vec<Sensitivity> = sensitivity.collect();
     let features = Features { face_share, ..Features::from(pattern) };

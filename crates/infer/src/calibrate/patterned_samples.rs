@@ -15,7 +15,7 @@ use slipgrid_surface::contact::AreaPoint;
 
 use crate::calibrate::area_law::area_law;
 use crate::calibrate::select_measurements::by_condition;
-use crate::calibrate::uncertainty::{flat_friction, local_law};
+use crate::calibrate::uncertainty::{flat_friction, local_law, local_law_changes};
 use crate::calibrate::{CalibrationError, CalibrationTask, CutSpecimen, Measurement};
 
 /// Step of ln E, with Young's modulus E, for derivatives of ratios: small against the error of the modulus, large
@@ -94,36 +94,29 @@ impl Model<'_> {
         Ok(((0..pairs.len()).map(at).collect(), on_face))
     }
 
-    /// Modelled ratio of each pair if the local coefficient follows the local pressure, corrected for the face by
-    /// `on_face`, which was computed for the pairs `solved`. `None` where flat friction at the condition follows the
-    /// area law, or where a load did not converge.
-    pub fn local_law_ratios(
+    /// Changes of the logarithm of the `ratios` of `pairs` if the local coefficient follows the local pressure, as
+    /// [`local_law_changes`] gives them for a face of the share `face_share`. 0 where flat friction at the condition
+    /// follows the area law.
+    pub fn local_law_changes(
         &self,
         pairs: &[Pair],
-        (solved, on_face): (&[Pair], Option<&SteadyOnFace>),
-        monitor: &dyn Monitor,
-    ) -> Result<Vec<Option<f64>>, CalibrationError> {
-        let mut found = vec![None; pairs.len()];
+        (ratios, face_share): (&[f64], f64),
+    ) -> Result<Vec<f64>, CalibrationError> {
+        let mut found = vec![0.0; pairs.len()];
         let (Some(area_law), false) = (self.law.0, self.law.1.is_empty()) else { return Ok(found) };
         let flat = flat_friction(self.task);
         let conditions = by_condition(pairs.iter().enumerate().map(|(place, [own, _])| (own.condition(), place)));
-        let part = Part::new(monitor, 1.0 / conditions.len().max(1) as f64);
-        let ratios =
-            |(condition, places): &(Condition, Vec<usize>)| -> Result<Vec<(usize, Option<f64>)>, CalibrationError> {
-                let Some(law) = local_law(area_law, &flat, Some(condition)) else { return Ok(Vec::new()) };
-                let own: Vec<Pair> = places.iter().map(|place| pairs[*place]).collect();
-                let Some(scene) = self.scene(self.task.elastic, Some(law), &own)? else { return Ok(Vec::new()) };
-                Ok(places.iter().copied().zip(steady_ratios(&scene, &part)?).collect())
-            };
-        let cells = conditions.par_iter().map(ratios).collect::<Result<Vec<_>, _>>()?;
-        for (place, cell) in cells.into_iter().flatten() {
-            let [flat, _] = &pairs[place];
-            let same_force = solved.iter().position(|[other, _]| other.force_n == flat.force_n);
-            found[place] = match (on_face, same_force) {
-                (Some(on_face), Some(force)) => cell.and_then(|cell| on_face.ratio(cell, &self.pattern, force)),
-                _ => cell,
-            };
-        }
+        let changes = |(condition, places): &(Condition, Vec<usize>)| -> Result<Vec<(usize, f64)>, CalibrationError> {
+            let Some(law) = local_law(area_law, &flat, Some(condition)) else { return Ok(Vec::new()) };
+            let own: Vec<Pair> = places.iter().map(|place| pairs[*place]).collect();
+            let scene = self.scene(self.task.elastic, Some(area_law.clone()), &own)?;
+            let Some(scene) = scene else { return Ok(Vec::new()) };
+            let ratios: Vec<f64> = places.iter().map(|place| ratios[*place]).collect();
+            let changes = local_law_changes(&scene, &self.pattern, &law, (&ratios, face_share));
+            Ok(places.iter().copied().zip(changes).collect())
+        };
+        let all = conditions.par_iter().map(changes).collect::<Result<Vec<_>, _>>()?;
+        all.into_iter().flatten().for_each(|(place, change)| found[place] = change);
         Ok(found)
     }
 

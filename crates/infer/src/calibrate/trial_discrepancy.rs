@@ -7,7 +7,7 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Dimension;
 use slipgrid_surface::contact::AreaPoint;
 
-use crate::calibrate::patterned_samples::{Model, Pair, pair_measurements};
+use crate::calibrate::patterned_samples::{Model, Pair, Sensitive, pair_measurements};
 use crate::calibrate::{CalibrationError, CalibrationTask, CutSample, LandEffect};
 use crate::discrepancy::{Conditions, DimensionShift, Discrepancy, Features, Load, Measured, Sensitivity, Trial};
 
@@ -119,12 +119,13 @@ pub(super) fn trial(
         || model(cut.pattern).time_changes(&pairs, &Part::new(&monitor, 0.0)),
     );
     let ((steady, on_face), added) = (steady?, added?);
-    let face = (&solved[..], on_face.as_ref());
-    let by_local_law = model(cut.pattern).local_law_ratios(&pairs, face, &monitor)?;
-    let known = pairs.iter().zip(&added.at).zip(by_local_law);
-    let known = known.filter_map(|((pair, added), by_local_law)| {
-        let [ratio, modulus] = between(&solved, pair, |place| steady[place])?;
-        let local_law = by_local_law.map_or(0.0, |by_local_law| (by_local_law / ratio).ln());
+    let all: Vec<Sensitive> = pairs.iter().map(|pair| between(&solved, pair, |place| steady[place])).collect();
+    let ratios: Vec<f64> = all.iter().map(|known| known.map_or(1.0, |[ratio, _]| ratio)).collect();
+    let face_share = on_face.as_ref().map_or(1.0, |on_face| on_face.share(&cut.pattern));
+    let by_local_law = model(cut.pattern).local_law_changes(&pairs, (&ratios, face_share))?;
+    let known = pairs.iter().zip(all).zip(&added.at).zip(by_local_law);
+    let known = known.filter_map(|(((pair, known), added), local_law)| {
+        let [ratio, modulus] = known?;
         Some((pair, ratio, Sensitivity { modulus, local_law }, *added))
     });
     let known: Vec<(&Pair, f64, Sensitivity, f64)> = known.collect();
@@ -161,7 +162,6 @@ pub(super) fn trial(
             local_law: tidy(sensitivity.local_law * steady / (steady + added)),
         },
     });
-    let face_share = on_face.as_ref().map_or(1.0, |on_face| on_face.share(&cut.pattern));
     let (mut measured, features) = (measured.collect::<Vec<Measured>>(), tidy_features(&cut.pattern, face_share));
     // A measured law holds for the flat sample's land alone.
     let law = law.0.filter(|_| !law.1.is_empty());

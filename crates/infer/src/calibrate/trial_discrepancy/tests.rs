@@ -5,7 +5,7 @@ use slipgrid_model::springblock::{Holder, Layer};
 
 use super::*;
 use crate::calibrate::surface_area_law_source::surface_findings;
-use crate::calibrate::uncertainty::{flat_friction, local_law};
+use crate::calibrate::uncertainty::{flat_friction, local_law, local_law_changes};
 use crate::calibrate::{Coefficients, Selection};
 use crate::calibrate::{CutSpecimen, Measurement, Surface, TrialsTask, learn_alone};
 
@@ -187,7 +187,8 @@ fn a_law_that_the_modulus_does_not_move_lays_nothing_to_it() {
     assert_eq!(of_slope(0.0), of_slope(0.2));
 }
 
-/// In the plane and in space, in which friction between two others is interpolated.
+/// In the plane and in space: the change is that of cells in the blocks of the layer, as in `simulate`, and not that of
+/// the smaller blocks which trials are else modelled in.
 #[test]
 fn a_trial_knows_what_the_local_law_changes() {
     for planform in [Planform::Groove, Planform::Square] {
@@ -201,10 +202,31 @@ fn a_trial_knows_what_the_local_law_changes() {
         let condition = task.flat[0].condition();
         let law = local_law(&area_law, &flat_friction(&task), Some(&condition)).unwrap();
         let by_law = of(&task, (Some(&law), &[]));
-        for row in 0..2 {
+        let load = |flat: &Measurement| {
+            let pressure_pa = task.pressure_pa(flat);
+            let mean = flat.mu_dynamic / area_law.factor(pressure_pa);
+            let friction = slipgrid_model::material::LocalFriction::new(mean, mean, 0.0).unwrap();
+            slipgrid_model::springblock::Load { pressure_pa, friction }
+        };
+        let pattern = task.trials.samples[0].pattern;
+        let scene = slipgrid_model::springblock::Scene {
+            elastic: task.elastic,
+            area_law: Some(area_law.clone()),
+            pattern: Some(pattern),
+            relief: None,
+            layer: task.layer,
+            loads: task.flat[..2].iter().map(load).collect(),
+            speed_m_s: 2e-3,
+            run: slipgrid_model::springblock::RunOptions::default(),
+        };
+        let endless = (&[1.0; 2][..], 1.0);
+        for (row, expected) in local_law_changes(&scene, &pattern, &law, endless).into_iter().enumerate() {
             let [own, other] = [&modelled, &by_law].map(|of| of.trials()[0].measured[row]);
-            let (change, expected) = (own.sensitivity.local_law, (other.modelled / own.modelled).ln());
-            assert!(expected > 0.005 && (change - expected).abs() < 1e-3, "{planform:?} {row}: {change} {expected}");
+            let (change, refined) = (own.sensitivity.local_law, (other.modelled / own.modelled).ln());
+            // What time adds to equal blocks is below a thousandth.
+            assert!((change / expected - 1.0).abs() < 1e-3, "{planform:?} {row}: {change} {expected}");
+            let apart = (change / refined - 1.0).abs();
+            assert!((0.01..0.1).contains(&apart) && refined > 0.005, "{planform:?} {row}: {change} {refined}");
         }
         // At the other humidity one load was measured.
         assert_eq!(modelled.trials()[0].measured[2].sensitivity.local_law, 0.0);

@@ -119,14 +119,25 @@ pub fn with_local_law(scene: &Scene, law: &AreaLaw) -> Result<Scene, MaterialErr
     with_law(scene.clone(), Some(law.clone()), &vec![0.0; scene.loads.len()])
 }
 
-/// Change of the logarithm of the steady ratio of `pattern` in `scene` at each load if local friction follows the local
-/// pressure by `law`; 0 if a ratio cannot be computed.
-pub fn local_law_changes(scene: &Scene, pattern: &Pattern, law: &AreaLaw) -> Vec<f64> {
+/// Changes of the logarithm of the `ratios` of `pattern` in `scene`, one per load, if local friction follows the local
+/// pressure by `law`; 0 if a ratio cannot be computed. Cells are solved in the blocks of the scene: were trials solved in
+/// smaller blocks than designs, their difference would count as discrepancy. The share of the face that is cavity is
+/// `face_share` times that of a period.
+pub fn local_law_changes(
+    scene: &Scene,
+    pattern: &Pattern,
+    law: &AreaLaw,
+    (ratios, face_share): (&[f64], f64),
+) -> Vec<f64> {
     let cell = steady_cell(scene, pattern);
     let by_law = with_local_law(&cell, law).map(|cell| SteadyCell::new(&cell).ratios(pattern)).unwrap_or_default();
     let own = SteadyCell::new(&cell).ratios(pattern);
-    let change = |load: usize| Some((by_law.get(load).copied()?? / own[load]?).ln());
-    (0..scene.loads.len()).map(|load| change(load).unwrap_or(0.0)).collect()
+    // d ln r = (r - 1 + D) / r d ln r_cell of the ratio r = 1 - D (1 - r_cell) with the share D of the face
+    let change = |(load, ratio): (usize, &f64)| {
+        let of_cell = by_law.get(load).copied()?? / own[load]? - 1.0;
+        Some(((ratio - 1.0 + face_share) / ratio * of_cell).ln_1p())
+    };
+    ratios.iter().enumerate().map(|at| change(at).unwrap_or(0.0)).collect()
 }
 
 #[cfg(test)]
