@@ -258,7 +258,10 @@ impl Model<'_> {
             (None, None) => layer.block_m,
         };
         let CutSpecimen { thickness_m, holder, .. } = self.specimen;
-        let thickness_m = thickness_m.map(|thickness_m| thickness_m.max(layer.height_m)).or(layer.thickness_m);
+        // A layer without a thickness is modelled alone, in designs and in their trials: else the discrepancy would
+        // include what the body behind it changes.
+        let thickness_m =
+            layer.thickness_m.map(|own_m| thickness_m.map_or(own_m, |thickness_m| thickness_m.max(layer.height_m)));
         Ok(Some(Scene {
             elastic,
             area_law,

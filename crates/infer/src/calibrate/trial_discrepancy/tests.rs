@@ -151,6 +151,24 @@ fn a_sample_is_modelled_in_its_own_holder() {
     assert_eq!([modelled(None, rigid), modelled(aligned, rigid)], [all, none]);
 }
 
+/// A layer without a thickness is modelled alone in designs, whatever thickness the calibration states: in trials, too.
+#[test]
+fn a_sample_of_a_layer_alone_is_modelled_without_the_body_behind_it() {
+    let flat = vec![measured(50.0, 0.4, 0.27), measured(200.0, 0.4, 0.3)];
+    let modelled = |of_layer: Option<f64>, thickness_m: Option<f64>| -> Vec<f64> {
+        let mut task = task(flat.clone(), Planform::Groove);
+        task.layer.thickness_m = of_layer;
+        task.trials.samples[0].specimen = CutSpecimen { thickness_m, ..CutSpecimen::default() };
+        let learned = learn_alone(&task, &Unwatched).unwrap().discrepancy;
+        learned.trials()[0].measured.iter().map(|at| at.modelled).collect()
+    };
+    let alone = modelled(None, None);
+    assert_eq!(modelled(None, Some(7e-3)), alone);
+    let thick = modelled(Some(7e-3), None);
+    assert_eq!(modelled(Some(2e-3), Some(7e-3)), thick);
+    assert!((thick[1] - alone[1]).abs() > 2e-3, "{thick:?} {alone:?}");
+}
+
 /// The share of the face that is cavity is that of the cavities that fit.
 #[test]
 fn a_sample_has_the_cavities_that_its_specimen_takes() {
