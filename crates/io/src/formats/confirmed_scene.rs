@@ -1,7 +1,7 @@
 //! Writes the scene of a design: scene.toml, an input of `simulate`.
 
 use slipgrid_infer::calibrate::uncertainty::InputUncertainty;
-use slipgrid_model::material::{LocalFriction, MaterialError};
+use slipgrid_model::material::{ConditionFriction, Friction, LocalFriction, MaterialError};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Extent, Load, RunOptions};
 
@@ -15,7 +15,7 @@ use crate::formats::values::{Numbers, PathOr, each, number_list};
 use crate::formats::written_material::flat_friction;
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_design::results::{SCHEMA, VERSION};
-use slipgrid_design::{DesignTask, KnownMaterial};
+use slipgrid_design::{DesignTask, KnownMaterial, loads};
 use slipgrid_infer::discrepancy::Discrepancy;
 use slipgrid_laser::export::SpecimenRecord;
 
@@ -96,7 +96,8 @@ impl DesignScene<'_> {
     fn material(&self) -> Result<MaterialFile, MaterialError> {
         let KnownMaterial { material, uncertainty } = self.known;
         let modulus_gpa = MODULUS_GPA.from_si(material.elastic.youngs_modulus_pa());
-        let errors = uncertainty.at_loads(material.area_law.as_ref(), self.loads, self.task.condition.as_ref())?;
+        let loads = self.measured_loads()?;
+        let errors = uncertainty.at_loads(material.area_law.as_ref(), &loads, self.task.condition.as_ref())?;
         let origin = match (uncertainty.law_is_fitted, uncertainty.law_is_measured) {
             (true, _) => Some("fit".to_owned()),
             (_, true) => Some("measured".to_owned()),
@@ -109,7 +110,7 @@ impl DesignScene<'_> {
             flat_friction: self.learned().map_or_else(Vec::new, |_| flat_friction(&uncertainty.flat_friction)),
             learned: self.learned().map(|learned| LearnedFile::new(learned).into()),
             area_law: area_law.map(|law| AreaLawFile { origin, ..AreaLawFile::new(law, |factor| factor) }.into()),
-            ..MaterialFile::new(&material.elastic, &material.provenance, self.friction(&errors))
+            ..MaterialFile::new(&material.elastic, &material.provenance, self.friction(&loads, &errors))
         })
     }
 
@@ -118,13 +119,29 @@ impl DesignScene<'_> {
         self.known.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty())
     }
 
+    /// Pressures at which friction was measured, with the coefficients of the design's condition, or those of the design
+    /// if one pair of coefficients holds. Coefficients of the design's own pressures would no longer be known as those of
+    /// the flat samples that trials share.
+    fn measured_loads(&self) -> Result<Vec<Load>, MaterialError> {
+        let (friction, own) = (&self.known.material.friction, self.task.condition.as_ref());
+        let Friction::PerCondition(rows) = friction else { return Ok(self.loads.to_vec()) };
+        let is_own = |row: &&ConditionFriction| row.condition.is_none_or(|of| own.is_some_and(|own| of.matches(own)));
+        // A condition between measured ones takes from all of them.
+        let is_measured = rows.iter().any(|row| is_own(&row));
+        let rows = rows.iter().filter(|row| is_own(row) || !is_measured);
+        let mut pressures_pa: Vec<f64> = rows.map(|row| row.pressure_pa).collect();
+        pressures_pa.sort_by(f64::total_cmp);
+        pressures_pa.dedup();
+        Ok(loads(friction, &pressures_pa, own)?.0)
+    }
+
     /// Local friction coefficients with standard errors: one pair if all loads share a pair, otherwise one pair per
     /// pressure.
-    fn friction(&self, errors: &InputUncertainty) -> FrictionFile {
+    fn friction(&self, loads: &[Load], errors: &InputUncertainty) -> FrictionFile {
         let known = &self.known.uncertainty;
-        let mut order: Vec<usize> = (0..self.loads.len()).collect();
-        order.sort_by(|&a, &b| self.loads[a].pressure_pa.total_cmp(&self.loads[b].pressure_pa));
-        let mut loads: Vec<&Load> = order.iter().map(|&place| &self.loads[place]).collect();
+        let mut order: Vec<usize> = (0..loads.len()).collect();
+        order.sort_by(|&a, &b| loads[a].pressure_pa.total_cmp(&loads[b].pressure_pa));
+        let mut loads: Vec<&Load> = order.iter().map(|&place| &loads[place]).collect();
         let pressures_pa: Vec<f64> = loads.iter().map(|load| load.pressure_pa).collect();
         let is_shared = loads.windows(2).all(|pair| pair[0].friction == pair[1].friction);
         let mut excess = known.excess(&pressures_pa, self.task.condition.as_ref());
@@ -176,18 +193,21 @@ mod tests {
     use slipgrid_design::optimize::{DesignSpace, Quantity, Target, TargetPoint};
     use slipgrid_infer::calibrate::uncertainty::MaterialUncertainty;
     use slipgrid_laser::export::{Outline, Specimen};
-    use slipgrid_model::material::{AreaLaw, Elastic, Friction, Material, Provenance};
+    use slipgrid_model::material::{AreaLaw, Elastic, Material, Provenance};
     use slipgrid_model::pattern::Planform;
     use slipgrid_model::springblock::{Holder, Layer};
 
     #[test]
     fn the_written_scene_is_the_confirmed_one() {
-        let friction = |dynamic_mean| LocalFriction::new(0.3, dynamic_mean, 0.04).unwrap();
-        let loads = [(2.6e6, 0.27), (0.65e6, 0.25)]
-            .map(|(pressure_pa, dynamic_mean)| Load { pressure_pa, friction: friction(dynamic_mean) });
+        let row = |(pressure_pa, dynamic_mean)| {
+            let friction = LocalFriction::new(0.3, dynamic_mean, 0.04).unwrap();
+            ConditionFriction { pressure_pa, condition: None, friction }
+        };
+        let friction = Friction::PerCondition([(0.65e6, 0.25), (2.6e6, 0.27)].map(row).to_vec());
+        let (loads, _) = loads(&friction, &[2.6e6, 1.3e6], None).unwrap();
         let material = Material {
             elastic: Elastic::new(0.38e9, 900.0).unwrap(),
-            friction: Friction::Single(friction(0.25)),
+            friction: friction.clone(),
             area_law: Some(AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.9]).unwrap()),
             provenance: Provenance {
                 name: "a \"b\"".into(),
@@ -214,7 +234,7 @@ mod tests {
         assert_eq!((read.scene.pattern, read.specimen), (Some(pattern), Some(specimen)));
         assert_eq!((read.scene.layer, read.scene.run, read.scene.speed_m_s), (layer, run, 2e-3));
         assert_eq!(read.scene.area_law, material.area_law);
-        assert_eq!(read.scene.loads, loads);
+        assert_eq!((read.scene.loads, read.material.friction), (loads, friction));
         assert_eq!(read.material.provenance, material.provenance);
     }
 }
