@@ -344,8 +344,8 @@ fn rms(covariance: &[Vec<f64>]) -> f64 {
     (sum / covariance.len().max(1) as f64).sqrt()
 }
 
-/// Formats a relative standard deviation.
+/// Formats a relative standard deviation, at least 0.1 %.
 pub fn known_to(std: f64) -> String {
-    let percent = 100.0 * std;
+    let percent = (100.0 * std).max(0.1);
     if percent < 9.95 { format!("known to {percent:.1} %") } else { format!("known to {percent:.0} %") }
 }

@@ -310,7 +310,7 @@ impl Search<'_> {
             known_to: match effect {
                 Effect::Tilt if holder.is_none() => "as nobody says how it is held".to_owned(),
                 Effect::Tilt => known_to(tilt_relative_error(holder)),
-                _ => format!("known to {:.1} % of the ratio", 100.0 * most),
+                _ => format!("{} of the ratio", known_to(most)),
             },
             effect: InputEffect::Shared(covariance),
         })
