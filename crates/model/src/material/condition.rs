@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use slipgrid_base::units::{HumidityPct, InFiles, SpeedMmS, is_same};
+use slipgrid_base::units::{HumidityPct, InFiles, SpeedMmS, is_same, tidy};
 
 /// Sliding speed and humidity: the conditions of a measurement other than pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -32,13 +32,8 @@ impl Condition {
     }
 
     pub(crate) fn in_words(&self) -> String {
-        format!("{} mm/s at {} %", round(self.speed_m_s * 1e3), round(self.humidity * 1e2))
+        format!("{} mm/s at {} %", tidy(self.speed_m_s * 1e3), tidy(self.humidity * 1e2))
     }
-}
-
-/// Removes rounding errors of unit conversions, for messages.
-pub(crate) fn round(value: f64) -> f64 {
-    (value * 1e9).round() / 1e9
 }
 
 /// Measured conditions from which `wanted` is interpolated, with weights that sum to 1. If `wanted` itself was

@@ -1,7 +1,7 @@
 use crate::material::MaterialError;
-use crate::material::condition::{Condition, between, round};
+use crate::material::condition::{Condition, between};
 use crate::material::error::{not_negative, positive};
-use slipgrid_base::statistics::extremes;
+use slipgrid_base::{statistics::extremes, units::tidy};
 
 /// Means and scatter of the local friction coefficients. Each contact block draws mu_s = static_mean (1 + s g1) and
 /// mu_d = dynamic_mean (1 + s g2), with the relative standard deviation s and standard normal g1 and g2.
@@ -186,7 +186,7 @@ fn at_pressure(rows: &[&ConditionFriction], pressure_pa: f64) -> Option<Friction
 
 fn condition_missing(table: &[ConditionFriction]) -> MaterialError {
     let example = table.iter().find_map(|row| row.condition).map_or_else(String::new, |condition| {
-        format!("speed_mm_s = {}, humidity_pct = {}", round(condition.speed_m_s * 1e3), round(condition.humidity * 1e2))
+        format!("speed_mm_s = {}, humidity_pct = {}", tidy(condition.speed_m_s * 1e3), tidy(condition.humidity * 1e2))
     });
     MaterialError(format!(
         "the material has coefficients per condition: name one, for instance condition = {{ {example} }}"
@@ -201,7 +201,7 @@ pub(crate) fn unknown_condition(table: &[ConditionFriction], wanted: Option<&Con
         }
     }
     let [speed_mm_s, humidity_pct] =
-        wanted.map_or([f64::NAN; 2], |wanted| [wanted.speed_m_s * 1e3, wanted.humidity * 1e2].map(round));
+        wanted.map_or([f64::NAN; 2], |wanted| [wanted.speed_m_s * 1e3, wanted.humidity * 1e2].map(tidy));
     let available = if available.is_empty() { "none".to_owned() } else { available.join(", ") };
     MaterialError(format!(
         "no coefficients for {speed_mm_s} mm/s at {humidity_pct} % humidity, which is not between measured ones: the material has {available}"

@@ -201,12 +201,11 @@ impl Pattern {
                 cavities_m2(Shape::Polygon { vertices, scale_m: width_m, extents_m }) / area_m2
             }
             (planform, None, Some(length_m)) => {
-                let length_m = length_m + 2.0 * distance_m;
-                let shape = match planform.contour() {
-                    Contour::Rectangle => Shape::Rectangle { width_m, length_m, corner_m: distance_m },
+                let (length_m, corner_m) = (length_m + 2.0 * distance_m, distance_m);
+                cavities_m2(match planform.contour() {
+                    Contour::Rectangle => Shape::Rectangle { width_m, length_m, corner_m },
                     Contour::Circle => Shape::Disc { diameter_m: width_m },
-                };
-                cavities_m2(shape) / area_m2
+                }) / area_m2
             }
             (_, _, None) => cavities_m2(Shape::Strip { width_m }) / area_m2,
         }
