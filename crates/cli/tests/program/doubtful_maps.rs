@@ -151,7 +151,7 @@ fn a_law_that_rises_above_one_and_slopes_of_no_surface_are_refused() {
     place.write("calibration.toml", CALIBRATION.replace("persson_rms_slope = 0.0137", "map = \"high.asc\""));
     assert!(place.refuse(&["calibrate", "calibration.toml"]).contains("the area law means nothing"));
     let said = place.refuse(&["surface", "metres.asc", "-o", "out"]);
-    assert!(said.contains("expected a slope from 1e-7 to 10: see the units of heights (--height-unit"), "{said}");
+    assert!(said.contains("expected a slope from 1e-7 to 10: see the units of heights (height_unit)"), "{said}");
     assert!(!place.path("out").exists());
     // A surface without heights is one, and one that is steeper than those that slide is warned of.
     place.succeed(&["surface", "flat.asc"]);

@@ -132,6 +132,11 @@ fn a_design_that_no_specimen_takes_is_refused_before_the_search() {
             "widths do not fit whole on the specimen, whose extent is 0.03 mm",
         ),
         (
+            "diameter_mm = 10.0",
+            "diameter_mm = 0.07",
+            "is too small for any of the bounds: the pattern repeats every 0.08 mm, more than the specimen's 0.07 mm",
+        ),
+        (
             "shape = \"disc\"\ndiameter_mm = 10.0",
             "shape = \"rectangle\"\nlength_mm = 10000.0\nwidth_mm = 10000.0",
             "cavities fit on the specimen: expected at most 10000000",
@@ -144,7 +149,7 @@ fn a_design_that_no_specimen_takes_is_refused_before_the_search() {
         assert_eq!(place.names(), ["d.toml"]);
     }
     // Where only some designs fit, the others are no answer.
-    place.write("d.toml", small().replace("diameter_mm = 1.0", "diameter_mm = 0.07"));
+    place.write("d.toml", small().replace("diameter_mm = 1.0", "diameter_mm = 0.1"));
     let code = place.run(&["optimize", "d.toml"]).status.code();
     assert!(matches!(code, Some(0 | 3 | 4)), "{code:?}");
     assert!(place.path("out/d/pattern.csv").exists());
