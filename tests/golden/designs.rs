@@ -53,11 +53,17 @@ seed = 1
 "#;
 
 /// Variants of [`SMALL`]: name, text, and replacement.
-const VARIANTS: [(&str, &str, &str); 9] = [
+const VARIANTS: [(&str, &str, &str); 11] = [
     ("as it is", "", ""),
     ("mu", "quantity = \"ratio\"", "quantity = \"mu_dynamic\""),
     ("lowest", "value = 0.9\ntolerance = 0.08", "goal = \"lowest\""),
     ("band", "value = 0.9\ntolerance = 0.08", "lowest = 0.8\nhighest = [0.98, 0.95]"),
+    ("even", "value = 0.9\ntolerance = 0.08", "lowest = 0.7\nhighest = [1.0, 0.95]\ngoal = \"even\""),
+    (
+        "limits",
+        "max_peak_pressure_mpa = 20.0",
+        "min_bearing_area = 0.6\nlift_off = \"refuse\"\nmin_clearance_um = 1.0\nmax_areal_density = 0.4",
+    ),
     (
         "ring",
         "shape = \"disc\"\ndiameter_mm = 1.0",

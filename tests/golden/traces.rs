@@ -52,6 +52,10 @@ fn exports() -> Vec<(&'static str, String, String)> {
         let sign = if (t / 2.0) as i64 % 2 == 0 { 1.0 } else { -1.0 };
         format!("{t:.2},{:.4},{n:.3}", sign * mu * n)
     };
+    let touchdown = table("time_s,Fx,Fz", &good, |[t, mu, n]| {
+        let n = n * (t - 4.0).clamp(0.0, 1.0);
+        format!("{t:.2},{:.4},{:.3}", mu * n + 0.3, n + 2.4)
+    });
     let tables = [
         ("torque", plain(&good)),
         (
@@ -116,6 +120,14 @@ fn exports() -> Vec<(&'static str, String, String)> {
         ("drift", changed(&|_, row| row[1] += 0.002 * row[0])),
         ("sticks", changed(&|_, row| row[1] = 0.01 * row[0])),
         ("a coefficient of 143", changed(&|_, row| row[1] *= 572.0)),
+        ("a stretch without numbers", changed(&|place, row| row[1] = if place / 200 == 2 { f64::NAN } else { row[1] })),
+        ("no numbers after 25 s", changed(&|place, row| row[1] = if place > 500 { f64::NAN } else { row[1] })),
+        ("no numbers", changed(&|_, row| row[1] = f64::NAN)),
+        ("an offset before touchdown", touchdown.clone()),
+        (
+            "another speed of the position",
+            table("time_s,x_mm,Fx,Fz", &good, |[t, mu, n]| format!("{t:.2},{:.4},{:.4},{n:.3}", 2.0 * t, mu * n)),
+        ),
         ("every row twice", plain(&good.iter().flat_map(|row| [*row; 2]).collect::<Vec<_>>())),
         (
             "at rest",
@@ -137,6 +149,7 @@ fn exports() -> Vec<(&'static str, String, String)> {
     exports.push(("reciprocating", reciprocating.clone(), format!("{OPTIONS} --reciprocating")));
     exports.push(("reciprocating, not said", reciprocating, OPTIONS.to_owned()));
     exports.push(("no static peak sought", plain(&good), format!("{OPTIONS} --no-static-peak")));
+    exports.push(("its zero", touchdown, format!("{OPTIONS} --zero-s 0,3")));
     exports.push(("zero under load", plain(&good), format!("{OPTIONS} --zero-s 1,3")));
     exports.push(("window beyond", plain(&good), OPTIONS.replace("10,40", "30,60")));
     exports.push(("window backward", plain(&good), OPTIONS.replace("10,40", "40,10")));

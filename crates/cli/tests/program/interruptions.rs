@@ -3,10 +3,11 @@
 #![cfg(unix)]
 
 use std::fs;
+use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
 use std::process::Command;
 use std::time::Duration;
 
-use crate::common::{Place, SCENE, many_squares, names, untimed};
+use crate::common::{Place, SCENE, ignores_ctrl_c, many_squares};
 
 /// Diameter of a specimen of many squares, in millimetres, whose files take a megabyte.
 const MEGABYTE_MM: f64 = 6.0;
@@ -14,117 +15,94 @@ const MEGABYTE_MM: f64 = 6.0;
 /// Drawing of an earlier run.
 const EARLIER: &str = "999\nslipgrid 0.0.9: x\n";
 
-const EXPORT: [&str; 6] = ["export", "result.json", "--format", "dxf,svg,csv,corners,hatch,plt,stl", "-o", "out"];
+const MAP: &str = "synthesize --pixels 32 --waves 2:8 -o";
 
-/// Runs a shell command line in the folder, with the program as `$0`.
-fn shell(place: &Place, line: &str) -> std::process::Output {
+/// Message of a shell command line in the folder, with the program as `$0`, which must end with exit code 1.
+fn shell_fails(place: &Place, line: &str) -> String {
     let mut command = Command::new("sh");
-    command.env("SLIPGRID_CACHE", "");
-    command.current_dir(place.path("")).args(["-c", line, env!("CARGO_BIN_EXE_slipgrid")]).output().unwrap()
-}
-
-/// Message of a run that must end with exit code 1.
-fn fails(output: &std::process::Output) -> String {
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{message}");
-    message
+    command.env("SLIPGRID_CACHE", "").current_dir(place.path(""));
+    let output = command.args(["-c", line, env!("CARGO_BIN_EXE_slipgrid")]).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    String::from_utf8(output.stderr).unwrap()
 }
 
 #[test]
 fn a_full_disk_is_said_and_leaves_nothing() {
-    let place = Place::with(&[("result.json", &many_squares(MEGABYTE_MM)), ("scene.toml", SCENE)]);
+    let place = Place::with(&[("result.json", &many_squares(MEGABYTE_MM))]);
     // Files end at 64 blocks of 512 bytes; the signal that would kill the program is ignored.
     let full = "trap '' XFSZ; ulimit -f 64; exec \"$0\" export result.json -o out";
-    let message = fails(&shell(&place, full));
+    let message = shell_fails(&place, full);
     assert!(message.starts_with("error: out: cannot be written: "), "{message}");
-    assert_eq!(place.names(), ["result.json", "scene.toml"]);
-
+    assert_eq!(place.listed(""), "result.json");
     // The same where the folder stands already: its files stay as they were.
     fs::create_dir(place.path("out")).unwrap();
     place.write("out/pattern.dxf", EARLIER);
-    fails(&shell(&place, full));
-    assert_eq!(names(&place.path("out")), ["pattern.dxf"]);
-    assert_eq!(place.read("out/pattern.dxf"), EARLIER);
+    shell_fails(&place, full);
+    assert_eq!((place.listed("out").as_str(), place.read("out/pattern.dxf").as_str()), ("pattern.dxf", EARLIER));
 }
 
 #[test]
 fn a_place_that_takes_no_files_is_refused_at_once() {
-    // Not even a superuser makes files there.
-    if !fs::exists("/proc/self").unwrap_or(false) {
-        return;
-    }
     let place = Place::with(&[("scene.toml", SCENE), ("result.json", &many_squares(MEGABYTE_MM))]);
-
-    for command in [
-        vec!["simulate", "scene.toml", "-o", "/proc/out"],
-        vec!["export", "result.json", "-o", "/proc/out"],
-        vec!["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "/proc/out"],
-    ] {
-        let message = fails(&place.run(&command));
-        assert!(message.starts_with("error: /proc/out: cannot be written: "), "{message}");
-    }
-    assert_eq!(place.names(), ["result.json", "scene.toml"]);
-    // A folder that holds a result stands for it.
-    assert_eq!(place.succeed(&["export", ".", "--format", "csv"]).trim(), "./pattern.csv");
-}
-
-#[test]
-fn a_device_is_written_to_and_not_replaced() {
-    if !fs::exists("/dev/full").unwrap_or(false) {
-        return;
-    }
-    let place = Place::with(&[("scene.toml", SCENE)]);
-    let message = fails(&shell(&place, "exec \"$0\" simulate scene.toml --json > /dev/full"));
-    assert!(message.starts_with("error: standard output: "), "{message}");
-    let message = fails(&place.run(&["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "/dev/full"]));
-    assert!(message.contains("/dev/full: cannot be written"), "{message}");
-    use std::os::unix::fs::FileTypeExt;
-    assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());
-}
-
-#[test]
-fn a_link_stays_a_link() {
-    let place = Place::with(&[("map.asc", "")]);
-    std::os::unix::fs::symlink("map.asc", place.path("link.asc")).unwrap();
-    place.succeed(&["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "link.asc"]);
-    assert!(fs::symlink_metadata(place.path("link.asc")).unwrap().is_symlink());
-    assert!(place.read("map.asc").len() > 1000);
-}
-
-#[test]
-fn a_folder_that_cannot_be_written_is_said() {
-    use std::os::unix::fs::PermissionsExt;
-    let place = Place::with(&[("scene.toml", SCENE)]);
     let closed = place.path("closed");
     fs::create_dir(&closed).unwrap();
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).unwrap();
-    let mut folders = vec!["/proc/slipgrid/out"];
+    let mut folders = Vec::new();
+    // Not even a superuser makes files there.
+    if fs::exists("/proc/self").unwrap_or(false) {
+        folders.extend(["/proc/out", "/proc/slipgrid/out"]);
+    }
     // Who may do everything may write here too.
     if fs::write(closed.join("probe"), "").is_err() {
         folders.extend(["closed", "closed/out"]);
     }
     for folder in folders {
-        let message = fails(&place.run(&["simulate", "scene.toml", "-o", folder]));
-        assert!(message.contains("cannot be written"), "{message}");
+        // A folder is no place for a map, whoever may write into it.
+        let commands = ["simulate scene.toml -o", "export result.json -o", MAP];
+        for command in &commands[..if folder == "closed" { 2 } else { 3 }] {
+            let message = place.ends(&format!("{command} {folder}"), 1).1;
+            assert!(message.starts_with("error: ") && message.contains(": cannot be written: "), "{message}");
+        }
     }
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o755)).unwrap();
+    assert_eq!(place.listed(""), "closed result.json scene.toml");
+    // A folder that holds a result stands for it.
+    assert_eq!(place.succeed("export . --format csv").trim(), "./pattern.csv");
 }
 
 #[test]
-fn a_run_killed_at_any_moment_leaves_whole_files_or_none() {
-    let place = Place::with(&[("result.json", &many_squares(MEGABYTE_MM))]);
+fn a_device_is_written_to_and_not_replaced_and_a_link_stays_a_link() {
+    let place = Place::with(&[("scene.toml", SCENE), ("map.asc", "")]);
+    if fs::exists("/dev/full").unwrap_or(false) {
+        let message = shell_fails(&place, "exec \"$0\" simulate scene.toml --json > /dev/full");
+        assert!(message.starts_with("error: standard output: "), "{message}");
+        let message = place.ends(&format!("{MAP} /dev/full"), 1).1;
+        assert!(message.contains("/dev/full: cannot be written"), "{message}");
+        assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());
+    }
+    symlink("map.asc", place.path("link.asc")).unwrap();
+    place.succeed(&format!("{MAP} link.asc"));
+    assert!(place.path("link.asc").is_symlink() && place.read("map.asc").len() > 1000);
+}
+
+#[test]
+fn a_run_ended_at_any_moment_leaves_whole_files_or_none() {
+    const KILLS: u32 = 8;
+    let result = many_squares(MEGABYTE_MM);
+    let place = Place::with(&[("result.json", &result), ("earlier.json", &result.replace("40.0", "30.0"))]);
+    let export =
+        |file: &str, folder: &str| format!("export {file}.json --format dxf,svg,csv,corners,hatch,plt,stl -o {folder}");
     let started = std::time::Instant::now();
-    place.succeed(&EXPORT);
-    let whole = started.elapsed();
-    let good = untimed(&place, "out");
+    place.succeed(&export("result", "out"));
+    let whole_s = started.elapsed().as_secs_f64();
+    let good = place.untimed("out");
     assert_eq!(good.len(), 7);
     // The files of an earlier result.
-    place.write("earlier.json", many_squares(MEGABYTE_MM).replace("40.0", "30.0"));
-    place.succeed(&[&["export", "earlier.json"], &EXPORT[2..5], &["earlier"]].concat());
-    let before = untimed(&place, "earlier");
-    const KILLS: u32 = 12;
-    for fresh in [true, false] {
-        for kill in 0..KILLS {
+    place.succeed(&export("earlier", "earlier"));
+    let before = place.untimed("earlier");
+    let signals = if ignores_ctrl_c() { &["KILL"][..] } else { &["KILL", "INT"] };
+    for (signal, fresh) in signals.iter().flat_map(|signal| [(signal, true), (signal, false)]) {
+        for moment in 0..KILLS {
             fs::remove_dir_all(place.path("out")).unwrap();
             if !fresh {
                 fs::create_dir(place.path("out")).unwrap();
@@ -132,18 +110,19 @@ fn a_run_killed_at_any_moment_leaves_whole_files_or_none() {
                     fs::copy(entry.path(), place.path("out").join(entry.file_name())).unwrap();
                 }
             }
-            let mut run = place.begin(&EXPORT);
-            std::thread::sleep(Duration::from_secs_f64(whole.as_secs_f64() * f64::from(kill) / f64::from(KILLS - 1)));
-            run.kill().unwrap();
-            run.wait().unwrap();
+            let mut run = place.begin(&export("result", "out"));
+            std::thread::sleep(Duration::from_secs_f64(whole_s * f64::from(moment) / f64::from(KILLS - 1)));
+            let _ = Command::new("kill").args([&format!("-{signal}"), &run.id().to_string()]).status();
+            let code = run.wait().unwrap().code();
+            assert!(matches!(code, None | Some(0 | 130)), "{signal}: {code:?}");
             if !place.path("out").exists() {
                 assert!(fresh);
                 fs::create_dir(place.path("out")).unwrap();
                 continue;
             }
-            let mut there = untimed(&place, "out");
+            let mut there = place.untimed("out");
             // A killed run leaves the file that it was writing, under a name of its own.
-            there.retain(|(name, _)| !name.starts_with(".slipgrid-"));
+            there.retain(|(name, _)| *signal == "INT" || !name.starts_with(".slipgrid-"));
             assert!(there == good || (!fresh && there == before), "files missing, or of two results");
         }
     }

@@ -1,18 +1,17 @@
-//! Fuzzing: ten thousand damaged files give a clear error or are accepted, and none crashes the program.
+//! Fuzzing: eight thousand damaged files give a clear error or are accepted, and none crashes the program.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, by_hand};
 use slipgrid_base::statistics::SplitMix64;
-use slipgrid_io::formats::Document;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::design::Design;
 use slipgrid_io::formats::measurements;
 use slipgrid_io::formats::run::Overrides;
 use slipgrid_io::formats::scene::SceneInput;
 use slipgrid_io::formats::traces::{Export, TraceSetup, parse_export};
-use slipgrid_surface::topography::{ReadOptions, read_map};
+use slipgrid_io::formats::{Diagnostic, Document};
 use slipgrid_traces::{TraceOptions, analyse};
 
 /// Replacements of a value, separated by bars.
@@ -29,7 +28,7 @@ fn one_of(list: &'static str, dice: &mut SplitMix64) -> &'static str {
 }
 
 /// Applies one to four random changes to `text`.
-fn spoil(text: &str, dice: &mut SplitMix64) -> Vec<u8> {
+pub fn spoil(text: &str, dice: &mut SplitMix64) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     for _ in 0..=dice.below(4) {
         let at = dice.below(bytes.len() + 1);
@@ -109,16 +108,11 @@ fn spoil_all<T>(text: &str, times: usize, seed: u64, read: impl Fn(&str, &[u8]) 
     accepted
 }
 
-const MATRIX: &str =
-    "# Width: 4 um\n# Height: 3 um\n# Value units: nm\n1.5 2.5 -1.0 0.5\n2.0 nan 0.0 1.0\n-1.0 0.25 3e1 4\n";
-const TRACE: &str = "# 20 samples a second\ntime_s,torque_nm,normal_force_n,speed_mm_s\n0,0.0,50,2\n0.05,0.21,50,2\n\
-    0.1,0.52,50.2,2\n0.15,0.51,50,2\n0.2,0.5,50,2\n0.3,0.502,50.1,2\n0.4,0.501,50,2\n0.5,0.503,50,2\n0.6,0.5,50,2\n\
-    0.7,0.501,50,2\n0.8,0.502,50,2\n0.9,0.5,50,2\n1.0,0.501,50,2\n1.05,0.502,50,2\n1.1,0.5,50,2\n1.15,0.503,50,2\n\
-    1.2,0.501,50,2\n1.25,0.5,50,2\n1.3,0.502,50,2\n1.35,0.501,50,2\n1.4,0.5,50,2\n1.45,0.503,50,2\n1.5,0.501,50,2\n\
-    1.55,0.5,50,2\n1.6,0.502,50,2\n1.65,0.501,50,2\n1.7,0.5,50,2\n1.75,0.503,50,2\n1.8,0.501,50,2\n1.85,0.5,50,2\n\
-    1.9,0.502,50,2\n1.95,0.501,50,2\n2.0,0.5,50,2\n2.05,0.503,50,2\n2.1,0.501,50,2\n2.15,0.5,50,2\n2.2,0.502,50,2\n\
-    2.25,0.501,50,2\n2.3,0.5,50,2\n2.35,0.503,50,2\n2.4,0.501,50,2\n2.45,0.5,50,2\n2.5,0.502,50,2\n";
-const POINTS: &str = "0.0 0.0 1.0\n1.0 0.0 2.0\n0.0 1.0 -1.0\n1.0 1.0 0.5\n";
+/// Trace of 2.5 s at 20 samples a second.
+fn trace() -> String {
+    let rows = (0..=50).map(|i| format!("{:.2},{:.3},50,2\n", 0.05 * f64::from(i), 0.5 + 0.001 * f64::from(i % 3)));
+    format!("# 20 samples a second\ntime_s,torque_nm,normal_force_n,speed_mm_s\n{}", rows.collect::<String>())
+}
 
 fn scene(text: &str) -> Result<SceneInput, String> {
     let input = SceneInput::from_document(Document::new("x.toml", text), Overrides::default());
@@ -129,13 +123,13 @@ fn scene(text: &str) -> Result<SceneInput, String> {
 }
 
 /// Number of accepted files among `times` damaged ones, for each kind of file.
-fn spoil_everything(times: usize, seed: u64) -> [usize; 7] {
+fn spoil_everything(times: usize, seed: u64) -> [usize; 5] {
     let place = Place::with(&[("flat.csv", FLAT)]);
-    let string = |refused: slipgrid_io::formats::Diagnostic| refused.to_string();
+    let string = |refused: Diagnostic| refused.to_string();
     let near = |text: &str| Document::within(&slipgrid_io::disk::disk(), place.path("x.toml"), text);
     let folder = place.path("x.toml").display().to_string();
     let table = place.path("flat.csv").display().to_string();
-    let local = |refused: slipgrid_io::formats::Diagnostic| refused.to_string().replace(&folder, "x.toml");
+    let local = |refused: Diagnostic| refused.to_string().replace(&folder, "x.toml");
     [
         spoil_all(SCENE, times, seed, |text, _| scene(text)),
         spoil_all(DESIGN, times, seed + 1, |text, _| {
@@ -146,7 +140,7 @@ fn spoil_everything(times: usize, seed: u64) -> [usize; 7] {
             let read = Calibration::from_document(&near(text)).map_err(local);
             read.map_err(|message| message.replace(&table, "x.csv").replace("flat.csv:", "x.csv:"))
         }),
-        spoil_all(TRACE, times / 2, seed + 6, |text, _| {
+        spoil_all(&trace(), times / 2, seed + 6, |text, _| {
             let file = parse_export(&Export::whole("x.csv".into()), text, &TraceSetup::new(Some(0.04), 1, true))
                 .map_err(string)?;
             // What only the analysis can judge is refused in its own words.
@@ -162,37 +156,30 @@ fn spoil_everything(times: usize, seed: u64) -> [usize; 7] {
             analyse(&file.repeats[0].channels, &options).map_err(|error| format!("x.csv: {error}"))
         }),
         spoil_all(FLAT, times, seed + 3, |text, _| measurements::parse(Path::new("x.csv"), text).map_err(string)),
-        spoil_all(MATRIX, times / 2, seed + 4, |_, bytes| {
-            read_map(bytes, &ReadOptions::default()).map_err(|error| format!("x.asc: {error}"))
-        }),
-        spoil_all(POINTS, times / 2, seed + 5, |_, bytes| {
-            let unit = Some(slipgrid_surface::topography::LengthUnit::Micrometre);
-            let options = ReadOptions { height_unit: unit, lateral_unit: unit, ..ReadOptions::default() };
-            read_map(bytes, &options).map_err(|error| format!("x.xyz: {error}"))
-        }),
     ]
 }
 
-/// Checks that some but not all damaged files are accepted.
-fn some_are_read(accepted: [usize; 7], times: usize) {
+/// Some but not all damaged files are accepted.
+fn some_are_read(rounds: u64) {
+    let mut accepted = [0; 5];
+    for seed in 0..rounds {
+        for (sum, read) in accepted.iter_mut().zip(spoil_everything(2000, 100 * seed + 1)) {
+            *sum += read;
+        }
+    }
+    let times = 2000 * rounds as usize;
     assert!(accepted.iter().all(|&accepted| accepted > times / 100 && accepted < times), "{accepted:?} of {times}");
 }
 
 #[test]
-fn ten_thousand_spoiled_files_are_refused_or_read() {
-    some_are_read(spoil_everything(2000, 1), 2000);
+fn thousands_of_spoiled_files_are_refused_or_read() {
+    some_are_read(1);
 }
 
 #[test]
 #[ignore = "half a minute"]
-fn two_million_spoiled_files_are_refused_or_read() {
-    let mut accepted = [0; 7];
-    for seed in 1..=200 {
-        for (sum, read) in accepted.iter_mut().zip(spoil_everything(2000, 100 * seed)) {
-            *sum += read;
-        }
-    }
-    some_are_read(accepted, 200 * 2000);
+fn millions_of_spoiled_files_are_refused_or_read() {
+    some_are_read(200);
 }
 
 /// Runs the program on a few hundred damaged files, from reading to the exit code.

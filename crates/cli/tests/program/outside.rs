@@ -4,11 +4,6 @@ use std::process::{Command, Stdio};
 
 use crate::common::{Place, by_hand};
 
-/// Runs `program`; `None` if it is not installed.
-fn try_run(program: &str, args: &[&str]) -> Option<std::process::Output> {
-    Command::new(program).args(args).stdin(Stdio::null()).output().ok()
-}
-
 const AUDIT: &str = r#"
 import sys
 try:
@@ -36,14 +31,13 @@ fn drawings_pass_an_independent_audit() {
     let planforms = [r#""planform": "groove", "angle_deg": 30.0"#, r#""planform": "disc", "arrangement": "staggered""#];
     for (number, (planform, shape)) in planforms.iter().flat_map(|p| shapes.map(|s| (*p, s))).enumerate() {
         place.write("result.json", by_hand(planform, r#""spot_um": 23.0"#, shape));
-        place.succeed(&["export", "result.json", "--format", "dxf", "-o", &number.to_string()]);
+        place.succeed(&format!("export result.json --format dxf -o {number}"));
         files.push(place.path(&format!("{number}/pattern.dxf")).display().to_string());
     }
     let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let mut args = vec!["-c", AUDIT];
-    args.extend(files.iter().map(String::as_str));
+    let audit = Command::new(python).args(["-c", AUDIT]).args(&files).stdin(Stdio::null()).output();
     // 77: Python is here, ezdxf is not.
-    let Some(audit) = try_run(&python, &args).filter(|audit| audit.status.code() != Some(77)) else { return };
+    let Some(audit) = audit.ok().filter(|audit| audit.status.code() != Some(77)) else { return };
     assert!(audit.status.success(), "{}", String::from_utf8_lossy(&audit.stderr));
     assert_eq!(String::from_utf8_lossy(&audit.stdout).lines().count(), files.len());
 }

@@ -1,7 +1,5 @@
 //! The study file, which keeps results of the search's model beyond a run.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
-
 use std::fs;
 use std::path::Path;
 

@@ -15,47 +15,15 @@ pub const COMMANDS: &str = "simulate optimize explore calibrate next trials area
                             export validate accuracy campaign new completions man";
 
 /// Scene that is solved in milliseconds.
-pub const SCENE: &str = r#"[material]
-youngs_modulus_gpa = 0.38
-density_g_cm3 = 0.9
-[material.friction]
-static_mean = 0.30
-dynamic_mean = 0.27
-relative_std = 0.05
-[material.area_law]
-pressure_mpa = [0.7, 1.3, 2.6, 10.0]
-factor = [1.0, 0.96, 0.90, 0.60]
-[pattern]
-width_um = 130.0
-spacing_um = 370.0
-depth_um = 20.0
-planform = "groove"
-[sample]
-length_um = 9960.0
-layer_um = 200.0
-block_um = 10.0
-[load]
-pressure_mpa = [0.65, 2.6]
-speed_mm_s = 2.0
-[run]
-fidelity = "steady"
-extent = "cell"
-seed = 1
-sliding_um = 2.0
-"#;
+pub const SCENE: &str = include_str!("../../../../../tests/golden/inputs/scene.toml");
 
 /// Measurements of flat friction at three forces.
 pub const THREE_FORCES: &str = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n50,2,15,0.25,0.002\n\
     75,2,15,0.25,0.002\n100,2,15,0.26,0.002\n";
 
-/// [`CALIBRATION`] with the table patterned.csv beside flat.csv.
-pub fn patterned() -> String {
-    CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"")
-}
-
-/// Calibration of [`patterned`] with the lines `pattern` of `[pattern]`.
-pub fn patterned_calibration(pattern: &str) -> String {
-    format!("{}[pattern]\n{pattern}", patterned())
+/// [`CALIBRATION`] with the table patterned.csv beside flat.csv, and `more` below.
+pub fn patterned(more: &str) -> String {
+    CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"") + more
 }
 
 /// Scene or design `text` with the material of `file` at 2 mm/s and 15 % in place of its own.
@@ -67,43 +35,7 @@ pub fn measured(text: &str, file: &str) -> String {
 }
 
 /// Design with an inline material.
-pub const DESIGN: &str = r#"name = "test design"
-[material]
-youngs_modulus_gpa = 0.38
-density_g_cm3 = 0.9
-[material.friction]
-static_mean = 0.30
-dynamic_mean = 0.27
-[material.area_law]
-pressure_mpa = [0.7, 1.3, 2.6, 10.0]
-factor = [1.0, 0.9, 0.7, 0.3]
-[target]
-quantity = "ratio"
-pressure_mpa = [0.65, 2.6]
-value = 0.9
-tolerance = 0.01
-[bounds]
-width_um = [40.0, 400.0]
-spacing_um = [40.0, 1000.0]
-depth_um = [2.0, 50.0]
-[pattern]
-planform = "groove"
-[limits]
-min_land_um = 40.0
-depth_per_burst_um = 2.6
-max_peak_pressure_mpa = 20.0
-[laser]
-wavelength_nm = 1064.0
-spot_um = 23.0
-[specimen]
-shape = "disc"
-diameter_mm = 10.0
-[sample]
-layer_um = 200.0
-block_um = 10.0
-[search]
-seed = 1
-"#;
+pub const DESIGN: &str = include_str!("../../../../../tests/golden/inputs/wide-design.toml");
 
 /// Table `[material.learned]` of a model that is trusted: the prior of the discrepancy is nearly zero.
 const TRUST: &str = "[material.learned]\nreference_pressure_mpa = 1.5\nlowest_pressure_mpa = 0.65\n\
@@ -134,6 +66,23 @@ pub fn free(design: &str) -> String {
     LINE.iter().fold(design.to_owned(), |design, (fixed, free)| design.replace(fixed, free))
 }
 
+/// Design of [`short`] at one pressure with another target, and `more` below.
+pub fn short_at_one_pressure(target: &str, more: &str) -> String {
+    short().replace("[0.65, 2.6]", "[2.6]").replace("value = 0.9\ntolerance = 0.01", target) + more
+}
+
+/// Design of discs in a thin layer, which is searched, confirmed and explained in space, as its target is out of reach.
+pub fn discs() -> String {
+    DESIGN
+        .replace("value = 0.9", "value = 0.5")
+        .replace("\"groove\"", "\"disc\"")
+        .replace("[40.0, 1000.0]", "60.0")
+        .replace("[40.0, 400.0]", "[40.0, 60.0]")
+        .replace("[2.0, 50.0]", "10.4")
+        .replace("layer_um = 200.0", "layer_um = 80.0")
+        .replace("block_um = 10.0", "block_um = 20.0")
+}
+
 /// Design that is searched and confirmed in a third of a second.
 pub fn small() -> String {
     DESIGN
@@ -147,21 +96,7 @@ pub fn small() -> String {
 }
 
 /// Calibration that reads the table `flat.csv` in its folder.
-pub const CALIBRATION: &str = r#"name = "test"
-source = "nowhere"
-[material]
-youngs_modulus_gpa = 0.38
-youngs_modulus_std_gpa = 0.08
-density_g_cm3 = 0.9
-[surface]
-persson_rms_slope = 0.0137
-[specimen]
-radius_mm = 5.0
-[measurements]
-flat = "flat.csv"
-[fit]
-coefficients = "per-condition"
-"#;
+pub const CALIBRATION: &str = include_str!("../../../../../tests/golden/inputs/calibration.toml");
 
 /// Table of measurements for [`CALIBRATION`].
 pub const FLAT: &str = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n50,2,15,0.248,0.002\n";
@@ -171,24 +106,6 @@ pub fn program() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
     command.env("SLIPGRID_CACHE", "");
     command
-}
-
-/// Folder with input files, in which the program is run.
-pub struct Place {
-    folder: TempDir,
-    /// Cache of this folder's runs; `None` if it is shared with other folders.
-    cache: Option<TempDir>,
-}
-
-/// Cache shared by the runs of this test program, as a user's runs share one: many tests begin with the same fits and
-/// runs in time of the flat sample. It is empty at first, so that nothing comes from an older version of the program.
-fn shared_cache() -> &'static Path {
-    static CACHE: LazyLock<PathBuf> = LazyLock::new(|| {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("kept");
-        let _ = fs::remove_dir_all(&folder);
-        folder
-    });
-    &CACHE
 }
 
 /// Content of a result.json made by hand, from which files for the laser can be exported without any solver; the
@@ -209,50 +126,55 @@ pub fn many_squares(diameter_mm: f64) -> String {
     result.replace("130.0", "40.0").replace("370.0", "50.0")
 }
 
-/// Stdout and result.json of `optimize` of `file`, which must end with `code`.
-pub fn optimized(place: &Place, file: &str, code: i32) -> (String, Value) {
-    let output = place.run(&["optimize", file]);
-    assert_eq!(output.status.code(), Some(code), "{file}: {}", String::from_utf8_lossy(&output.stderr));
-    let folder = format!("out/{}", file.trim_end_matches(".toml"));
-    (String::from_utf8(output.stdout).unwrap(), result(place, &folder))
+/// Number at `pointer` in `value`.
+pub fn at(value: &Value, pointer: &str) -> f64 {
+    let found = value.pointer(pointer).and_then(Value::as_f64);
+    found.unwrap_or_else(|| panic!("no number at {pointer} of {value}"))
 }
 
-/// Names and contents of all files of a folder, except those that depend on time, with unfinished files and folders.
-pub fn untimed(place: &Place, folder: &str) -> Vec<(String, Vec<u8>)> {
-    let folder = place.path(folder);
-    let read = |name: String| {
-        let path = folder.join(&name);
-        (name, if path.is_dir() { Vec::new() } else { fs::read(path).unwrap() })
-    };
-    names(&folder).into_iter().filter(|name| name != "timings.json").map(read).collect()
+/// Number at `pointer` in each row of a list.
+pub fn column(rows: &Value, pointer: &str) -> Vec<f64> {
+    rows.as_array().unwrap().iter().map(|row| at(row, pointer)).collect()
 }
 
-/// Parses JSON from stdout or a file.
-pub fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
+/// Row of a list with this text under `key`, if there is one.
+pub fn row<'a>(rows: &'a Value, key: &str, text: &str) -> Option<&'a Value> {
+    rows.as_array().unwrap().iter().find(|row| row[key] == text)
 }
 
-/// Content of result.json in a folder of `place`.
-pub fn result(place: &Place, folder: &str) -> Value {
-    json(&place.read(&format!("{folder}/result.json")))
-}
-
-pub fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+/// Row of `limited_by` of the result `found`.
+pub fn limit<'a>(found: &'a Value, input: &str) -> &'a Value {
+    row(&found["limited_by"], "input", input).unwrap_or_else(|| panic!("{input}: {}", found["limited_by"]))
 }
 
 /// Correction of the ratio of `load` for `effect`, if there is one.
 pub fn correction<'a>(load: &'a Value, effect: &str) -> Option<&'a Value> {
-    load["corrections"].as_array().unwrap().iter().find(|correction| correction["effect"] == effect)
+    row(&load["corrections"], "effect", effect)
+}
+
+/// Folder with input files, in which the program is run. Commands are lines of words without quotes.
+pub struct Place {
+    folder: TempDir,
+    /// Cache of this folder's runs; `None` if it is shared with other folders.
+    cache: Option<TempDir>,
+}
+
+/// Cache shared by the runs of this test program, as a user's runs share one: many tests begin with the same fits and
+/// runs in time of the flat sample. It is empty at first, so that nothing comes from an older version of the program.
+fn shared_cache() -> &'static Path {
+    static CACHE: LazyLock<PathBuf> = LazyLock::new(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("kept");
+        let _ = fs::remove_dir_all(&folder);
+        folder
+    });
+    &CACHE
 }
 
 impl Place {
     /// Creates a folder with `files`, given by name and content.
     pub fn with(files: &[(&str, &str)]) -> Self {
         let place = Self { folder: tempfile::tempdir().unwrap(), cache: None };
-        for (name, text) in files {
-            place.write(name, text);
-        }
+        files.iter().for_each(|(name, text)| place.write(name, text));
         place
     }
 
@@ -265,22 +187,17 @@ impl Place {
         self.folder.path().join(name)
     }
 
-    /// ln(measured / modelled) of the first patterned measurement of the calibration NAME.toml.
-    pub fn log_excess(&self, name: &str) -> f64 {
-        self.succeed(&["calibrate", &format!("{name}.toml"), "-o", &format!("{name}-m.toml")]);
-        let table = self.toml(&format!("{name}-m.toml"));
-        let ratio = |key: &str| table["learned"]["trial"][0][key][0].as_float().unwrap();
-        (ratio("measured_ratio") / ratio("modelled_ratio")).ln()
-    }
-
-    /// Text of a file of the folder.
     pub fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
+        fs::read_to_string(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    /// Content of a TOML file of the folder.
     pub fn toml(&self, name: &str) -> toml::Table {
         self.read(name).parse().unwrap()
+    }
+
+    /// Content of result.json in `folder`.
+    pub fn result(&self, folder: &str) -> Value {
+        json(&self.read(&format!("{folder}/result.json")))
     }
 
     /// Writes a file into the folder.
@@ -288,83 +205,104 @@ impl Place {
         fs::write(self.path(name), text).unwrap();
     }
 
-    /// Names of all entries of the folder, including hidden files.
-    pub fn names(&self) -> Vec<String> {
-        names(self.folder.path())
-    }
-
-    /// Names of the entries of `folder` within this one, separated by spaces.
+    /// Names of the entries of `folder` within this one, including hidden ones, separated by spaces.
     pub fn listed(&self, folder: &str) -> String {
         names(&self.path(folder)).join(" ")
     }
 
-    /// Names of all that the runs in this folder kept in the cache.
-    pub fn cached(&self) -> Vec<String> {
-        names(self.cache.as_ref().map_or_else(|| shared_cache(), |cache| cache.path()))
+    /// Names and contents of all files of a folder, except those that depend on time, with unfinished files and folders.
+    pub fn untimed(&self, folder: &str) -> Vec<(String, Vec<u8>)> {
+        let folder = self.path(folder);
+        let read = |name: String| {
+            let path = folder.join(&name);
+            (name, if path.is_dir() { Vec::new() } else { fs::read(path).unwrap() })
+        };
+        names(&folder).into_iter().filter(|name| name != "timings.json").map(read).collect()
     }
 
-    /// The program in this folder with `args`.
-    pub fn command(&self, args: &[&str]) -> Command {
-        let mut command = self.uncached(args);
-        command.env("SLIPGRID_CACHE", self.cache.as_ref().map_or_else(|| shared_cache(), |cache| cache.path()));
-        command
+    /// Folder of the results that the runs in this folder keep.
+    pub fn cache(&self) -> &Path {
+        self.cache.as_ref().map_or_else(|| shared_cache(), |cache| cache.path())
     }
 
-    /// Like [`Self::command`], without results of earlier runs.
-    pub fn uncached(&self, args: &[&str]) -> Command {
+    /// The program in this folder without results of earlier runs.
+    pub fn uncached(&self, line: &str) -> Command {
         let mut command = program();
-        command.current_dir(self.folder.path()).args(args);
+        command.current_dir(self.folder.path()).args(line.split_whitespace());
         command
     }
 
     /// Starts [`Self::uncached`] without waiting for it.
-    pub fn begin(&self, args: &[&str]) -> Child {
-        self.uncached(args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    pub fn begin(&self, line: &str) -> Child {
+        self.uncached(line).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
     }
 
-    /// Runs the program with `--details` where it has that option: tests read all that is known of a result.
-    pub fn run(&self, args: &[&str]) -> Output {
-        let mut command = self.command(args);
-        let has_details = ["optimize", "simulate", "calibrate", "trials"].contains(args.first().unwrap_or(&""));
-        if has_details && !args.contains(&"--json") {
-            command.arg("--details");
-        }
-        command.output().unwrap()
+    /// Exit code, stdout and stderr of a run.
+    pub fn run(&self, line: &str) -> (i32, String, String) {
+        let Output { status, stdout, stderr } =
+            self.uncached(line).env("SLIPGRID_CACHE", self.cache()).output().unwrap();
+        let [stdout, stderr] = [stdout, stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+        (status.code().unwrap(), stdout, stderr)
+    }
+
+    /// Stdout and stderr of a run that must end with `code`.
+    pub fn ends(&self, line: &str, code: i32) -> (String, String) {
+        let (ended, stdout, stderr) = self.run(line);
+        assert_eq!(ended, code, "{line}: {stdout}{stderr}");
+        (stdout, stderr)
     }
 
     /// Stdout of a run, which must succeed.
-    pub fn succeed(&self, args: &[&str]) -> String {
-        let output = self.run(args);
-        assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    /// JSON on the stdout of a run, which must succeed.
-    pub fn json(&self, args: &[&str]) -> Value {
-        json(&self.succeed(args))
+    pub fn succeed(&self, line: &str) -> String {
+        self.ends(line, 0).0
     }
 
     /// Stderr of a run, which must succeed.
-    pub fn told(&self, args: &[&str]) -> String {
-        let output = self.run(args);
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert!(output.status.success(), "{args:?}: {message}");
-        message
+    pub fn told(&self, line: &str) -> String {
+        self.ends(line, 0).1
     }
 
-    /// Like [`Self::succeed`], for arguments separated by spaces.
-    pub fn succeed_line(&self, line: &str) -> String {
-        self.succeed(&line.split_whitespace().collect::<Vec<_>>())
+    /// JSON on the stdout of a run, which must succeed.
+    pub fn json(&self, line: &str) -> Value {
+        json(&self.succeed(line))
+    }
+
+    /// Ratios of `simulate` of a scene at every load.
+    pub fn ratios(&self, scene: &str) -> Vec<f64> {
+        column(&self.json(&format!("simulate {scene} --json"))["results"], "/ratio")
+    }
+
+    /// Stdout and result.json of `optimize` of NAME.toml, which must end with `code`.
+    pub fn optimized(&self, name: &str, code: i32) -> (String, Value) {
+        (self.ends(&format!("optimize {name}.toml --details"), code).0, self.result(&format!("out/{name}")))
+    }
+
+    /// ln(measured / modelled) of the first patterned measurement of the calibration NAME.toml.
+    pub fn log_excess(&self, name: &str) -> f64 {
+        self.succeed(&format!("calibrate {name}.toml -o {name}-m.toml"));
+        let table = self.toml(&format!("{name}-m.toml"));
+        let ratio = |key: &str| table["learned"]["trial"][0][key][0].as_float().unwrap();
+        (ratio("measured_ratio") / ratio("modelled_ratio")).ln()
     }
 
     /// Message of a run that must refuse its input, with exit code 2 and nothing on stdout.
-    pub fn refuse(&self, args: &[&str]) -> String {
-        let output = self.run(args);
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
-        assert!(output.stdout.is_empty(), "{args:?}");
+    pub fn refuse(&self, line: &str) -> String {
+        let (stdout, message) = self.ends(line, 2);
+        assert!(stdout.is_empty(), "{line}");
         message
     }
+
+    /// Refuses every line of a table of commands and of a part of their messages, with ` => ` between them.
+    pub fn refuse_all(&self, table: &str) {
+        for (line, says) in table.trim().lines().map(|row| row.split_once(" => ").unwrap()) {
+            let message = self.refuse(line);
+            assert!(message.contains(says.trim()), "{line}: {message}");
+        }
+    }
+}
+
+pub fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
 }
 
 pub fn names(folder: &Path) -> Vec<String> {
