@@ -2,8 +2,8 @@
 
 use slipgrid_base::statistics::Normals;
 use slipgrid_infer::discrepancy::{
-    Candidate, Conditions, DimensionShift, Discrepancy, Distribution, Form, Hyperparameters, Predictor,
-    Score, Trial, Wanted,
+    Candidate, Conditions, DimensionShift, Discrepancy, Distribution, Form, Hyperparameters, Predictor, Score, Trial,
+    Wanted,
 };
 
 use super::draws::{Draws, around, between};

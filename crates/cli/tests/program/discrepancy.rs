@@ -1,7 +1,7 @@
 //! Discrepancies from trials in designs and scenes, and the error of every value of a scene.
 
 use crate::common::{
-    Place, at, column, correction, free, limit, measured, patterned, row, short_at_one_pressure, trusted,
+    Place, at, column, correction, free, limit, measured, patterned, row, short, short_at_one_pressure, trusted,
 };
 use serde_json::Value;
 
@@ -176,7 +176,7 @@ fn a_calibration_is_interpolated_between_its_speeds() {
 /// which friction is then better known by. The scene of the design says of its friction what the design does.
 #[test]
 fn a_scene_between_measured_pressures_says_what_its_design_says() {
-    let groove = "planform = \"groove\"\nwidth_um = 60.0\nspacing_um = 120.0\ndepth_um = 10.4\n";
+    let groove = "[pattern]\nplanform = \"groove\"\nwidth_um = 60.0\nspacing_um = 120.0\ndepth_um = 10.4\n";
     let table = |factor: f64| {
         let rows = [(51, 0.25), (205, 0.28)].map(|(force, mu)| format!("{force},2,15,{},0.0125\n", mu * factor));
         "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n".to_owned() + &rows.concat()
@@ -186,19 +186,17 @@ fn a_scene_between_measured_pressures_says_what_its_design_says() {
     let (_, rest) = rest.split_once("tolerance = 0.01\n").unwrap();
     let place = Place::with(&[
         ("a.toml", &measured(&format!("{head}{target}{rest}"), "c.toml")),
-        ("c.toml", &patterned_calibration(groove)),
+        ("c.toml", &patterned(groove)),
         ("flat.csv", &table(1.0)),
         ("patterned.csv", &table(0.9)),
     ]);
-    place.run(&["optimize", "a.toml"]);
-    let expected = &result(&place, "out/a")["expected"][0];
-    let scene = place.json(&["simulate", "out/a/scene.toml", "--json"]);
+    place.run("optimize a.toml");
+    let expected = &place.result("out/a")["expected"][0];
+    let scene = place.json("simulate out/a/scene.toml --json");
     let mu = &scene["discrepancy"]["by_pressure"][0]["mu"];
     // The tolerances of a cut sample and the second order of the modulus are not in a scene.
-    for (design, scene) in
-        [("median", &mu["value"]), ("low_95", &mu["interval_95"][0]), ("high_95", &mu["interval_95"][1])]
-    {
-        let (design, scene) = (number(&expected[design]), number(scene));
+    for (design, scene) in [("/median", "/value"), ("/low_95", "/interval_95/0"), ("/high_95", "/interval_95/1")] {
+        let (design, scene) = (at(expected, design), at(mu, scene));
         assert!((scene / design - 1.0).abs() < 3e-3, "{design} {scene}: {expected} {mu}");
     }
 }

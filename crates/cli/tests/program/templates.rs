@@ -57,7 +57,7 @@ fn uncommented(line: &str) -> Option<&str> {
 fn no_template_shows_a_key_that_is_refused() {
     let place = Place::with(&[]);
     let [calibration, scene] = ["calibration", "scene"].map(|template| {
-        let made = place.succeed(&["new", template]);
+        let made = place.succeed(&format!("new {template}"));
         place.read(if template == "scene" { made.trim_end() } else { "calibration/calibration.toml" })
     });
     let of_calibration = |text: String| Calibration::from_document(&Document::new("c.toml", text)).map(|_| ());
@@ -85,7 +85,7 @@ fn no_template_shows_a_key_that_is_refused() {
 #[test]
 fn the_trial_of_the_template_is_read() {
     let place = Place::with(&[]);
-    place.succeed(&["new", "calibration"]);
+    place.succeed("new calibration");
     let text = place.read("calibration/calibration.toml");
     let (before, rest) = text.split_once("# [[trial]]").unwrap();
     let (trial, after) = rest.split_once("# [[trial.traces]]").unwrap();
@@ -97,7 +97,7 @@ fn the_trial_of_the_template_is_read() {
     // Without the name of the list the table is none of the trial's.
     let stray = place.read("calibration/calibration.toml").replace("[trial.pattern]", "[pattern]");
     place.write("calibration/calibration.toml", stray);
-    let refused = place.refuse(&["calibrate", "calibration/calibration.toml"]);
+    let refused = place.refuse("calibrate calibration/calibration.toml");
     assert!(refused.contains("trial.pattern: is missing; expected [trial.pattern], as [pattern] in line"), "{refused}");
 }
 
