@@ -8,7 +8,7 @@
 
 use slipgrid_base::statistics::Normals;
 use slipgrid_base::statistics::cholesky::{cholesky, dot, solve_lower, solve_upper};
-use slipgrid_infer::discrepancy::{Hyperparameters, Trial};
+use slipgrid_infer::discrepancy::Trial;
 
 use super::draws::{Draw, Draws};
 use super::physics::{LOADS, Physics, Solved};
@@ -42,15 +42,6 @@ impl Node {
     }
 }
 
-/// Prior of the sizes of mechanisms and of their changes with pressure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sizes {
-    /// Distributions from which laboratories are generated.
-    Own,
-    /// Prior of the mixture of forms, which does not know the sign and is wider in the changes with pressure.
-    Broad,
-}
-
 /// Mechanism with a given scale.
 #[derive(Clone, Debug)]
 pub struct Kind {
@@ -71,7 +62,6 @@ pub struct Generator {
     physics: Vec<Physics>,
     kinds: Vec<Kind>,
     moduli: Vec<Node>,
-    of_sizes: Sizes,
 }
 
 /// Measurement of a cut sample.
@@ -113,19 +103,19 @@ struct Component {
 
 impl Generator {
     /// Creates the generator for equally probable `mechanisms`.
-    pub fn new(textures: &[Solved], mechanisms: &[Mechanism], of_sizes: Sizes) -> Self {
+    pub fn new(textures: &[Solved], mechanisms: &[Mechanism]) -> Self {
         let physics = textures.iter().map(|of| of.physics);
         let kinds = mechanisms.iter().flat_map(|&mechanism| {
             let has_scale = matches!(mechanism, Mechanism::Saturating | Mechanism::Depth);
             let scales = mechanism.scales().into_iter().take(if has_scale { 4 } else { 1 });
             let share = 1.0 / (mechanisms.len() * scales.len()) as f64;
             scales.map(move |scale| {
-                let (sizes, slopes) = sizes(mechanism, of_sizes).into_iter().unzip();
+                let (sizes, slopes) = sizes(mechanism).into_iter().unzip();
                 let values = textures.iter().map(|of| mechanism.value(&of.features, scale)).collect();
                 Kind { mechanism, share, values, sizes, slopes }
             })
         });
-        Self { physics: physics.collect(), kinds: kinds.collect(), moduli: moduli(), of_sizes }
+        Self { physics: physics.collect(), kinds: kinds.collect(), moduli: moduli() }
     }
 
     /// Logarithms of the ratios of the texture at `place` as designed, in the laboratory `of`.
@@ -177,7 +167,7 @@ impl Generator {
         let kind = &self.kinds[of.kind];
         // What the Gaussians say of the coefficients, against how they are drawn.
         let mut log = 0.0;
-        if of.size.std > 0.0 && self.of_sizes == Sizes::Own {
+        if of.size.std > 0.0 {
             let [from, by] = kind.mechanism.sizes();
             let share = (size - from) / by;
             if !(0.0..=1.0).contains(&share) {
@@ -404,17 +394,9 @@ fn cover(from: f64, to: f64, count: usize, share: &dyn Fn(f64) -> f64) -> Vec<No
 }
 
 /// Gaussians for the size of `mechanism`, with the standard deviations of its two changes with pressure.
-fn sizes(mechanism: Mechanism, of_sizes: Sizes) -> Vec<(Node, [f64; 2])> {
+fn sizes(mechanism: Mechanism) -> Vec<(Node, [f64; 2])> {
     if matches!(mechanism, Mechanism::Rims | Mechanism::None) {
         return vec![(Node { at: 0.0, std: 0.0, share: 1.0 }, [0.0; 2])];
-    }
-    if of_sizes == Sizes::Broad {
-        let of = Hyperparameters::default();
-        let scaled = |(scale, share): &(f64, f64)| {
-            let node = Node { at: 0.0, std: scale * of.amplitude_std, share: *share };
-            (node, [scale * of.pressure_std, scale * of.inverse_pressure_std])
-        };
-        return of.scales.iter().map(scaled).collect();
     }
     let [from, by] = mechanism.sizes();
     let nodes = cover(from, from + by, SIZES, &|_| 1.0 / SIZES as f64);

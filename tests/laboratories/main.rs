@@ -16,15 +16,13 @@ mod report;
 mod truth;
 
 use rayon::prelude::*;
-use serde::Serialize;
-use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::statistics::{Normals, normal_probability};
 use slipgrid_infer::discrepancy::{DimensionShift, Trial};
 
 use draws::{around, is_within};
-use generator::{Generator, Sizes};
+use generator::Generator;
 use physics::{LOADS, Solved};
-use policy::{Informed, Known, Told, all_dimension_shifts, candidate, learned, wanted};
+use policy::{Informed, Known, all_dimension_shifts, candidate, learned, wanted};
 use slipgrid_io::Failure;
 use truth::Laboratory;
 
@@ -48,7 +46,6 @@ impl Start {
     pub const ALL: [Self; 3] = [Self::Nothing, Self::OneGroove, Self::PublishedSquares];
 
     /// Name of the start in tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Nothing => "nothing measured",
@@ -59,7 +56,7 @@ impl Start {
 }
 
 /// Number of laboratories, and textures from which they choose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Number of laboratories for each start; they take the mechanisms in turn.
     pub laboratories: usize,
@@ -92,7 +89,6 @@ pub struct Job {
 
 impl Job {
     /// Jobs for every policy in every laboratory from every start, and for the mixture also with arbitrary targets.
-    #[must_use]
     pub fn all(options: &Options, policies: &[Policy]) -> Vec<Self> {
         let mut all = Self::of_reached_targets(options, policies);
         if policies.contains(&Policy::Mixture) {
@@ -126,7 +122,7 @@ impl TargetOf {
 }
 
 /// Course of one laboratory towards its target.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Way {
     /// Number of trials until a sample was on target; `None` if none was.
     pub trials: Option<usize>,
@@ -143,7 +139,6 @@ pub struct Bench {
     dimension_shifts: Vec<Vec<DimensionShift>>,
     /// Model of laboratories for [`Policy::Generator`].
     generator: Generator,
-    told: Told,
 }
 
 /// Laboratory before its first cut for the target.
@@ -158,25 +153,11 @@ struct Begun {
 }
 
 /// Runs every policy in every laboratory from every start.
-///
-/// # Errors
-/// [`Failure::Cancelled`] once `monitor` has cancelled.
-pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Result<LaboratoriesReport, Failure> {
-    let bench = Bench::new(options, monitor)?;
-    let stage = Stage::new(monitor, "laboratories", None);
+pub fn run(options: &Options, policies: &[Policy]) -> Result<LaboratoriesReport, Failure> {
+    let bench = Bench::new(options)?;
     let jobs = Job::all(options, policies);
-    let share = 1.0 / jobs.len().max(1) as f64;
-    let ways: Vec<Way> = jobs
-        .par_iter()
-        .map(|job| {
-            stage.heed()?;
-            let way = bench.way(*job);
-            stage.advance(share);
-            way
-        })
-        .collect::<Result<_, Failure>>()?;
-    stage.finish();
-    Ok(LaboratoriesReport::new(options, bench.textures(), &jobs, &ways))
+    let ways: Vec<Way> = jobs.par_iter().map(|job| bench.way(*job)).collect::<Result<_, Failure>>()?;
+    Ok(LaboratoriesReport::new(options, bench.textures.len(), &jobs, &ways))
 }
 
 /// Maximum number of trials of a laboratory with an arbitrary target.
@@ -215,7 +196,6 @@ fn target(truths: &[[f64; LOADS]], of: TargetOf, normals: &mut Normals) -> [f64;
 
 impl Job {
     /// Mechanism of the laboratory.
-    #[must_use]
     pub const fn mechanism(&self) -> Mechanism {
         Mechanism::ALL[self.number % Mechanism::ALL.len()]
     }
@@ -223,22 +203,11 @@ impl Job {
 
 impl Bench {
     /// Solves the textures.
-    ///
-    /// # Errors
-    /// [`Failure::Cancelled`] once `monitor` has cancelled.
-    pub fn new(options: &Options, monitor: &dyn Monitor) -> Result<Self, Failure> {
-        let stage = Stage::new(monitor, "textures", None);
-        let textures = physics::textures(options.steps, &stage)?;
-        stage.finish();
+    pub fn new(options: &Options) -> Result<Self, Failure> {
+        let textures = physics::textures(options.steps)?;
         let dimension_shifts = all_dimension_shifts(&textures);
-        let generator = Generator::new(&textures, &Mechanism::ALL, Sizes::Own);
-        Ok(Self { options: *options, textures, dimension_shifts, generator, told: Told::ALL })
-    }
-
-    /// Number of textures.
-    #[must_use]
-    pub const fn textures(&self) -> usize {
-        self.textures.len()
+        let generator = Generator::new(&textures, &Mechanism::ALL);
+        Ok(Self { options: *options, textures, dimension_shifts, generator })
     }
 
     /// Creates a laboratory with its target and the measurements of its start.
@@ -286,9 +255,9 @@ impl Bench {
                 noise: laboratory.noise,
                 judged_from,
             };
-            let told = Told { is_reached: self.told.is_reached && job.target == TargetOf::Reached, ..self.told };
-            let informed =
-                (policy == Policy::Generator).then(|| Informed::new(&self.generator, told, &known)).transpose()?;
+            let informed = (policy == Policy::Generator)
+                .then(|| Informed::new(&self.generator, job.target == TargetOf::Reached, &known))
+                .transpose()?;
             let place = match &informed {
                 Some(informed) => informed.next(&known)?,
                 None => policy.next(&known)?,

@@ -1,7 +1,6 @@
 //! Textures that the simulated laboratories may cut, solved by the steady model.
 
 use rayon::prelude::*;
-use slipgrid_base::monitor::Monitor;
 use slipgrid_infer::calibrate::uncertainty::{ScaleShift, moved};
 use slipgrid_infer::discrepancy::{Features, Load, Sensitivity};
 use slipgrid_model::pattern::{Pattern, Planform, Rim, RimProfile, Texture};
@@ -78,8 +77,8 @@ pub fn loads() -> [Load; LOADS] {
 /// squares, and the published squares as the last texture.
 ///
 /// # Errors
-/// [`Failure`] if the built-in scene cannot be solved, or if the monitor cancels.
-pub fn textures(steps: usize, monitor: &dyn Monitor) -> Result<Vec<Solved>, Failure> {
+/// [`Failure`] if the built-in scene cannot be solved.
+pub fn textures(steps: usize) -> Result<Vec<Solved>, Failure> {
     let failed = |error: &dyn std::fmt::Display| Failure::Failed(format!("the built-in scene: {error}"));
     let scene = paper_scene()?;
     let mut loads = Vec::new();
@@ -97,22 +96,8 @@ pub fn textures(steps: usize, monitor: &dyn Monitor) -> Result<Vec<Solved>, Fail
             .map_err(|error| failed(&error))
     };
     let (grooves, squares) = (at(&scene)?, at(&squares)?);
-    let patterns = patterns(steps);
-    let share = 1.0 / patterns.len() as f64;
-    let solved: Vec<Option<Solved>> = patterns
-        .par_iter()
-        .map(|pattern| {
-            if monitor.cancelled() {
-                return None;
-            }
-            let scenes = if pattern.is_uniform_along_y() { &grooves } else { &squares };
-            let found = solve(pattern, scenes);
-            monitor.advance(share);
-            found
-        })
-        .collect();
-    monitor.heed()?;
-    Ok(solved.into_iter().flatten().collect())
+    let solved = |pattern: &Pattern| solve(pattern, if pattern.is_uniform_along_y() { &grooves } else { &squares });
+    Ok(patterns(steps).par_iter().filter_map(solved).collect())
 }
 
 fn patterns(steps: usize) -> Vec<Pattern> {

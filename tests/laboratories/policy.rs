@@ -66,7 +66,6 @@ impl Policy {
     ];
 
     /// Name of the policy in tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Mixture => "mixture of forms, greedy",
@@ -218,20 +217,6 @@ impl Policy {
     }
 }
 
-/// Additional knowledge of [`Policy::Generator`] about the target.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Told {
-    /// Some texture is known to reach the target.
-    pub is_reached: bool,
-    /// The samples cut for the target are known to have missed it.
-    pub is_missed: bool,
-}
-
-impl Told {
-    /// All additional knowledge.
-    pub const ALL: Self = Self { is_reached: true, is_missed: true };
-}
-
 /// Posterior of [`Policy::Generator`] before a cut.
 pub struct Informed<'a> {
     generator: &'a Generator,
@@ -241,20 +226,20 @@ pub struct Informed<'a> {
 }
 
 impl<'a> Informed<'a> {
-    /// Computes the posterior from the measurements and the additional knowledge `told`.
+    /// Computes the posterior from the measurements, from the knowledge that the samples cut for the target missed it,
+    /// and, with `is_reached`, that some texture reaches it.
     ///
     /// # Errors
     /// [`Failure::Failed`] if no drawn laboratory is consistent with the knowledge.
-    pub fn new(generator: &'a Generator, told: Told, known: &Known<'_>) -> Result<Self, Failure> {
-        let seen = |(number, (trial, place)): (usize, (&Trial, &usize))| {
-            Seen::new(trial, *place, told.is_missed && number >= known.judged_from)
-        };
+    pub fn new(generator: &'a Generator, is_reached: bool, known: &Known<'_>) -> Result<Self, Failure> {
+        let seen =
+            |(number, (trial, place)): (usize, (&Trial, &usize))| Seen::new(trial, *place, number >= known.judged_from);
         let seen: Vec<Seen> = known.trials.iter().zip(known.cut).enumerate().map(seen).collect();
         let wanted = between(known.target, TOLERANCE);
         let mut draws = Draws::default();
         for count in INFORMED_DRAWS {
             let all = generator.draws(&seen, known.noise, &wanted, count);
-            draws = if told.is_reached { all.of_reached(generator, known.target) } else { all };
+            draws = if is_reached { all.of_reached(generator, known.target) } else { all };
             if draws.effective() >= ENOUGH_DRAWS {
                 break;
             }

@@ -1,23 +1,14 @@
 //! Results of the simulated laboratories as numbers and text.
 
-use serde::{Deserialize, Serialize};
-
 use super::{Job, Mechanism, Options, Policy, Start, TargetOf, Way};
 use slipgrid_base::units::tidy;
-use slipgrid_design::results::{SCHEMA, VERSION};
 
 /// Number of bins of the predicted chance.
 const BINS: usize = 10;
 
 /// Number of trials that each policy needs, and reliability of its predictions.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LaboratoriesReport {
-    /// Program name.
-    pub program: String,
-    /// Version of the program.
-    pub version: String,
-    /// Schema version of the record.
-    pub schema: u32,
     /// Number of laboratories for each start.
     pub laboratories: usize,
     /// Maximum number of trials of a laboratory.
@@ -36,7 +27,7 @@ pub struct LaboratoriesReport {
 }
 
 /// Results of every policy for one start.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StartReport {
     /// Name of the start.
     pub start: String,
@@ -45,7 +36,7 @@ pub struct StartReport {
 }
 
 /// Number of trials of a policy until a sample was on target; one more than the maximum if none was.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PolicyReport {
     /// Name of the policy.
     pub policy: String,
@@ -64,7 +55,7 @@ pub struct PolicyReport {
 }
 
 /// Predicted chances compared with the observed frequency.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Reliability {
     /// Policy and kind of targets, in words.
     pub of: String,
@@ -118,7 +109,7 @@ impl Reliability {
 }
 
 /// Bin of predicted chances.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChanceBin {
     /// Number of cuts.
     pub cuts: usize,
@@ -129,7 +120,7 @@ pub struct ChanceBin {
 }
 
 /// Fraction of measured ratios within the predicted intervals.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Coverage {
     /// Name of the mechanism; "all" for all mechanisms, with the policy if it is not the mixture.
     pub mechanism: String,
@@ -147,7 +138,6 @@ pub struct Coverage {
 
 impl LaboratoriesReport {
     /// Creates the report from the courses `ways` of the `jobs`; `textures` is the number of textures.
-    #[must_use]
     pub fn new(options: &Options, textures: usize, jobs: &[Job], ways: &[Way]) -> Self {
         let mut starts: Vec<StartReport> = Vec::new();
         for start in Start::ALL {
@@ -194,9 +184,6 @@ impl LaboratoriesReport {
             coverages.push(coverage(&format!("all, {}", Policy::Generator.name()), Policy::Generator, &|_| true));
         }
         Self {
-            program: "slipgrid".to_owned(),
-            version: VERSION.to_owned(),
-            schema: SCHEMA,
             laboratories: options.laboratories,
             most_trials: options.most_trials,
             textures,
@@ -208,7 +195,6 @@ impl LaboratoriesReport {
     }
 
     /// Formats the report as tables in Markdown.
-    #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![
             format!(

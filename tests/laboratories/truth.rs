@@ -58,7 +58,6 @@ impl Mechanism {
     ];
 
     /// Name of the mechanism in tables.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Density => "density",
@@ -74,7 +73,6 @@ impl Mechanism {
     }
 
     /// Whether the mechanism is one of the mixture's forms.
-    #[must_use]
     pub const fn is_inside(self) -> bool {
         matches!(self, Self::Density | Self::Edge | Self::Saturating | Self::Depth)
     }

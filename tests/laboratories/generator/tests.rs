@@ -2,10 +2,9 @@ use super::super::draws::{between, chance_of, is_within};
 use super::super::physics;
 use super::super::truth::{Laboratory, TOLERANCE};
 use super::*;
-use slipgrid_base::monitor::Unwatched;
 
 fn textures() -> Vec<Solved> {
-    physics::textures(3, &Unwatched).unwrap()
+    physics::textures(3).unwrap()
 }
 
 /// Measurements of two textures in one laboratory, their noise, and the limits of a target that both samples missed.
@@ -23,7 +22,7 @@ fn a_regression_is_what_the_dense_covariance_says() {
     const { assert!(ALL == N, "the factor of so many rows") };
     let textures = textures();
     let (seen, noise, _) = seen(&textures, Mechanism::Edge);
-    let generator = Generator::new(&textures, &[Mechanism::Edge, Mechanism::Rims], Sizes::Own);
+    let generator = Generator::new(&textures, &[Mechanism::Edge, Mechanism::Rims]);
     let mut offset: Option<f64> = None;
     for of in generator.components(&seen, noise) {
         let at = |c: &Vector| -> Vector {
@@ -101,7 +100,7 @@ fn a_sample_that_missed_is_as_likely_as_the_sum_over_its_scatter_says() {
 #[ignore = "five seconds: 400,000 draws of the prior, for the reference policy of laboratories alone"]
 fn draws_say_what_weighted_draws_of_the_prior_say() {
     let textures = textures();
-    let generator = Generator::new(&textures, &Mechanism::ALL, Sizes::Own);
+    let generator = Generator::new(&textures, &Mechanism::ALL);
     let (seen, _, wanted) = seen(&textures, Mechanism::Depth);
     let seen = &seen[1..];
     // So large that the prior's draws are not all alike unlikely.
@@ -155,7 +154,7 @@ fn laboratories_are_made_as_the_draws_of_the_prior() {
     let textures = textures();
     let place = textures.len() / 2;
     for mechanism in Mechanism::ALL {
-        let generator = Generator::new(&textures, &[mechanism], Sizes::Own);
+        let generator = Generator::new(&textures, &[mechanism]);
         let draws = generator.draws(&[], 0.01, &[[f64::NEG_INFINITY; LOADS], [f64::INFINITY; LOADS]], 20_000);
         let drawn: Vec<(f64, f64)> =
             draws.all.iter().map(|draw| (draw.weight, generator.log_truth(draw, place)[1])).collect();
