@@ -135,7 +135,7 @@ fn the_shipped_scene_with_rims_slides_with_less_friction_than_it_says_it_would_w
 }
 
 #[test]
-#[ignore = "twenty seconds: a shipped design; small ones are run by crates/cli/tests/program/targets.rs"]
+#[ignore = "twenty seconds: a shipped design; small ones are run by crates/cli/tests/program/conditions.rs"]
 fn a_target_of_dynamic_friction_is_expected_in_friction() {
     let (_folder, result) = optimize("ldpe-target-mu");
     for (at, confirmed) in result["expected"].as_array().unwrap().iter().zip(result["confirmed"].as_array().unwrap()) {

@@ -112,8 +112,10 @@ fn every_stage_of_a_design_ends() {
     let started = Instant::now();
     place.uncached("optimize discs.toml -o whole").output().unwrap();
     let whole_s = started.elapsed().as_secs_f64();
-    for moment in 0..8 {
-        if let Some(output) = interrupted(&place, "optimize discs.toml -o out", whole_s * f64::from(moment) / 8.0) {
+    for moment in 1..8 {
+        // Before a fifth of a second the program may not listen yet.
+        let after_s = (whole_s * f64::from(moment) / 8.0).max(0.2);
+        if let Some(output) = interrupted(&place, "optimize discs.toml -o out", after_s) {
             told(&place, &output);
         }
         let _ = fs::remove_dir_all(place.path("out"));
