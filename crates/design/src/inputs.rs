@@ -9,6 +9,7 @@ use crate::optimize::{ModelFailure, Quantity, SearchError, Tolerances, with_rim_
 use slipgrid_base::units::{LENGTH_UM, tidy};
 use slipgrid_infer::calibrate::uncertainty::{Covariance, ScaleShift, Source, moved, with_scale};
 use slipgrid_infer::discrepancy::{DimensionShift, Features};
+use slipgrid_laser::specimen::Laid;
 use slipgrid_model::material::{Condition, MaterialError};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Scene;
@@ -227,11 +228,11 @@ impl<'a> Inputs<'a> {
     /// Effects of inputs that are independent between samples of `design`: dimensions, rim height, depth per burst.
     /// `still` are the ratios of the design without changes.
     fn of_samples(&self, design: &Pattern, still: &[f64]) -> Result<Vec<Part>, ModelFailure> {
-        let mut parts = Vec::new();
+        let (mut parts, laid) = (Vec::new(), self.still.lay(design)?);
         let part = |name: &'static str, known_to: String, by_m: [f64; DIMENSIONS], log_ratio: Vec<f64>| Part {
             name,
             known_to,
-            effect: InputEffect::OfSample(shift(design, &by_m, log_ratio)),
+            effect: InputEffect::OfSample(shift(design, &laid, &by_m, log_ratio)),
         };
         let made_to = |std_m: f64| format!("made to {} um", tidy(LENGTH_UM.from_si(std_m)));
         for (name, by_m) in of_dimensions(&self.tolerances) {
@@ -300,10 +301,13 @@ pub fn of_dimensions(tolerances: &Tolerances) -> Vec<(&'static str, [f64; DIMENS
     tolerances.independent_m().into_iter().map(|by_m| (name(&by_m), by_m)).collect()
 }
 
-/// Builds the error of samples of `design`: a change of the lengths by `by_m`, in metres, changes ln R, R the friction
-/// ratio, by `log_ratio`, one per load.
-pub fn shift(design: &Pattern, by_m: &[f64; DIMENSIONS], log_ratio: Vec<f64>) -> DimensionShift {
-    let [above, below] = [1.0, -1.0].map(|side| Features::from(&made(design, by_m, side)));
+/// Builds the error of samples of `design` with as many cavities as `laid`: a change of the lengths by `by_m`, in metres,
+/// changes ln R, R the friction ratio, by `log_ratio`, one per load.
+pub fn shift(design: &Pattern, laid: &Laid, by_m: &[f64; DIMENSIONS], log_ratio: Vec<f64>) -> DimensionShift {
+    let [above, below] = [1.0, -1.0].map(|side| {
+        let made = made(design, by_m, side);
+        Features { face_share: laid.share(&made), ..Features::from(&made) }
+    });
     DimensionShift { log_ratio, above, below: Some(below) }
 }
 

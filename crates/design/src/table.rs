@@ -288,7 +288,7 @@ impl Table {
                 self.on_specimen(self.values(&made)?, laid.share(&made))
             });
             let log_ratio = above?.into_iter().zip(below?).map(|(above, below)| 0.5 * (above - below));
-            Some(shift(design, &by_m, log_ratio.collect()))
+            Some(shift(design, laid, &by_m, log_ratio.collect()))
         };
         of_dimensions(tolerances).into_iter().map(own).collect()
     }

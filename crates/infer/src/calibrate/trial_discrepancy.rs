@@ -121,7 +121,8 @@ pub(super) fn trial(
     let ((steady, on_face), added) = (steady?, added?);
     let all: Vec<Sensitive> = pairs.iter().map(|pair| between(&solved, pair, |place| steady[place])).collect();
     let ratios: Vec<f64> = all.iter().map(|known| known.map_or(1.0, |[ratio, _]| ratio)).collect();
-    let face_share = on_face.as_ref().map_or(1.0, |on_face| on_face.share(&cut.pattern));
+    let share = |made: &Pattern| on_face.as_ref().map_or(1.0, |on_face| on_face.share(made));
+    let face_share = share(&cut.pattern);
     let by_local_law = model(cut.pattern).local_law_changes(&pairs, (&ratios, face_share))?;
     let known = pairs.iter().zip(all).zip(&added.at).zip(by_local_law);
     let known = known.filter_map(|(((pair, known), added), local_law)| {
@@ -143,7 +144,7 @@ pub(super) fn trial(
             Some(tidy(((other + added) / (own + added)).ln()))
         };
         let log_ratio = known.iter().map(change).collect::<Option<Vec<f64>>>();
-        let above = tidy_features(&moved, 1.0);
+        let above = tidy_features(&moved, share(&moved));
         dimension_shifts.extend(log_ratio.map(|log_ratio| DimensionShift { log_ratio, above, below: None }));
     }
     // d ln (r + a) = r / (r + a) d ln r

@@ -42,7 +42,7 @@ impl DimensionShift {
             width_m: own.width_m + to.width_m - from.width_m,
             pitch_m: own.pitch_m + to.pitch_m - from.pitch_m,
             depth_m: own.depth_m + to.depth_m - from.depth_m,
-            face_share: to.face_share,
+            face_share: own.face_share * to.face_share / from.face_share,
         };
         Self { log_ratio: self.log_ratio.clone(), above: moved(&self.above), below: self.below.as_ref().map(moved) }
     }
@@ -50,7 +50,7 @@ impl DimensionShift {
     /// Change of the logarithm of `form` by one standard deviation, for a texture with the features `own`; 0 for a
     /// texture without cavities.
     pub fn log_form(&self, form: &Form, own: &Features) -> f64 {
-        let log = |of: &Features| libm::log(form.value(of));
+        let log = |of: &Features| libm::log(form.on_face(of));
         let change = match &self.below {
             Some(below) => 0.5 * (log(&self.above) - log(below)),
             None => log(&self.above) - log(own),
@@ -61,7 +61,7 @@ impl DimensionShift {
     /// Mean of `form` over the error, relative to its value for the features `own` as designed, to second order; 1 if
     /// only one side is known.
     pub fn mean_form(&self, form: &Form, own: &Features) -> f64 {
-        let mean = |below: &Features| 0.5 * (form.value(&self.above) + form.value(below)) / form.value(own);
+        let mean = |below: &Features| 0.5 * (form.on_face(&self.above) + form.on_face(below)) / form.on_face(own);
         self.below.as_ref().map(mean).filter(|mean| mean.is_finite()).unwrap_or(1.0)
     }
 }
@@ -123,6 +123,7 @@ impl Trial {
                 positive("speed in m/s", at.load.speed_m_s),
                 positive("measured ratio", at.measured),
                 positive("modelled ratio", at.modelled),
+                positive("share of the face", self.features.face_share),
                 share("humidity", at.load.humidity),
                 share("error of the patterned sample", at.patterned_std),
                 share("error of the flat sample", at.flat_std),

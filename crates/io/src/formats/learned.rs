@@ -80,7 +80,7 @@ struct LearnedTrial {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     of_dimensions: Vec<Vec<f64>>,
     /// Texture after the change of each list of `of_dimensions`: areal density, edge length per area in 1/mm, width,
-    /// pitch and depth in um.
+    /// pitch and depth in um, and the share of the face, 1 when absent.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     texture_of_dimensions: Vec<Vec<f64>>,
 }
@@ -88,18 +88,19 @@ struct LearnedTrial {
 /// Metres in a millimetre: converts edge length per area from 1/m to 1/mm.
 const PER_MM: f64 = 1e-3;
 
-/// Converts features of a texture to areal density, edge length per area in 1/mm, width, pitch and depth in um.
-fn to_columns(of: &Features) -> [f64; 5] {
+/// Converts features of a texture to areal density, edge length per area in 1/mm, width, pitch and depth in um, and the
+/// share of the face.
+fn to_columns(of: &Features) -> [f64; 6] {
     let [width_um, pitch_um, depth_um] =
         [of.width_m, of.pitch_m, of.depth_m].map(|length_m| LENGTH_UM.from_si(length_m));
-    [of.areal_density, tidy(of.edge_1_m * PER_MM), width_um, pitch_um, depth_um]
+    [of.areal_density, tidy(of.edge_1_m * PER_MM), width_um, pitch_um, depth_um, of.face_share]
 }
 
 /// Converts the columns of [`to_columns`] back to features of a texture.
-fn from_columns([areal_density, edge_per_mm, lengths_um @ ..]: &[f64; 5]) -> Features {
-    let [width_m, pitch_m, depth_m] = lengths_um.map(|length_um| tidy(LENGTH_UM.to_si(length_um)));
+fn from_columns([areal_density, edge_per_mm, width_um, pitch_um, depth_um, face_share]: [f64; 6]) -> Features {
+    let [width_m, pitch_m, depth_m] = [width_um, pitch_um, depth_um].map(|length_um| tidy(LENGTH_UM.to_si(length_um)));
     let edge_1_m = tidy(edge_per_mm / PER_MM);
-    Features { areal_density: *areal_density, edge_1_m, width_m, pitch_m, depth_m, face_share: 1.0 }
+    Features { areal_density, edge_1_m, width_m, pitch_m, depth_m, face_share }
 }
 
 impl LearnedFile {
@@ -110,7 +111,7 @@ impl LearnedFile {
             let column = |of: fn(&Measured) -> f64| trial.measured.iter().map(|at| tidy(of(at))).collect();
             let of_length =
                 |axis: usize| Some(LENGTH_UM.from_si(trial.dimensions_std_m[axis])).filter(|std| *std > 0.0);
-            let [areal_density, edge_per_mm, width_um, pitch_um, depth_um] = to_columns(&trial.features);
+            let [areal_density, edge_per_mm, width_um, pitch_um, depth_um, face_share] = to_columns(&trial.features);
             let shifts = &trial.dimension_shifts;
             LearnedTrial {
                 name: trial.name.clone(),
@@ -119,7 +120,7 @@ impl LearnedFile {
                 width_um,
                 pitch_um,
                 depth_um,
-                face_share: Some(trial.features.face_share).filter(|share| *share != 1.0),
+                face_share: Some(face_share).filter(|share| *share != 1.0),
                 sample_std: trial.sample_std,
                 width_std_um: of_length(0),
                 spacing_std_um: of_length(1),
@@ -174,9 +175,9 @@ impl LearnedFile {
                 let reason = format!("has columns of different lengths in trial \"{}\"", trial.name);
                 return Err(refuse(reason).expected("one number a pressure in each of them"));
             }
-            if trial.texture_of_dimensions.iter().any(|columns| columns.len() != 5) {
-                let reason = format!("has a texture of other than five numbers in trial \"{}\"", trial.name);
-                return Err(refuse(reason).expected("areal density, edges per mm, width, pitch and depth"));
+            if trial.texture_of_dimensions.iter().any(|columns| !matches!(columns.len(), 5 | 6)) {
+                let reason = format!("has a texture of other than six numbers in trial \"{}\"", trial.name);
+                return Err(refuse(reason).expected("areal density, edges per mm, width, pitch, depth and share"));
             }
             let measured = |row: usize| Measured {
                 load: Load {
@@ -194,12 +195,14 @@ impl LearnedFile {
                 },
             };
             let LearnedTrial { areal_density, edge_per_mm, width_um, pitch_um, depth_um, .. } = *trial;
-            let columns = [areal_density, edge_per_mm, width_um, pitch_um, depth_um];
-            let features = Features { face_share: trial.face_share.unwrap_or(1.0), ..from_columns(&columns) };
+            let face_share = trial.face_share.unwrap_or(1.0);
+            let features = from_columns([areal_density, edge_per_mm, width_um, pitch_um, depth_um, face_share]);
             let shift = |(place, log_ratio): (usize, &Vec<f64>)| {
-                let columns = trial.texture_of_dimensions.get(place).and_then(|columns| columns.first_chunk::<5>());
+                let columns = trial.texture_of_dimensions.get(place);
                 // For a file written before the key existed: the changes of the model alone.
-                let above = columns.map_or(features, from_columns);
+                let above = columns.map_or(features, |columns| {
+                    from_columns(std::array::from_fn(|column| columns.get(column).copied().unwrap_or(1.0)))
+                });
                 DimensionShift { log_ratio: log_ratio.clone(), above, below: None }
             };
             let dimension_shifts = trial.of_dimensions.iter().enumerate().map(shift).collect();

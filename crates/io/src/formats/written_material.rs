@@ -137,7 +137,8 @@ mod tests {
     use crate::formats::material::read_known;
     use crate::formats::scene::DEFAULT_LAYER;
     use slipgrid_base::monitor::Unwatched;
-    use slipgrid_infer::calibrate::{CutSample, Measurement, Selection, Surface, TrialsTask};
+    use slipgrid_infer::calibrate::{CutSample, CutSpecimen, LandSlope, Measurement, Selection, Surface, TrialsTask};
+    use slipgrid_laser::export::{Outline, Specimen};
     use slipgrid_model::material::{Elastic, Friction};
     use slipgrid_model::pattern::{Pattern, Planform};
     use std::sync::LazyLock;
@@ -151,6 +152,8 @@ mod tests {
         let flat = vec![measurement(200.0, 0.15, 0.28), measurement(50.0, 0.8, 0.22), measurement(50.0, 0.15, 0.25)];
         let patterned: Vec<Measurement> =
             flat.iter().map(|flat| Measurement { mu_dynamic: flat.mu_dynamic * 0.9, ..*flat }).collect();
+        // Its border changes the share of the face that is cavity.
+        let face = Specimen { outline: Outline::Disc { diameter_m: 1.1e-3 }, is_clipped: false };
         let sample = CutSample {
             name: "squares".into(),
             date: String::new(),
@@ -158,11 +161,11 @@ mod tests {
             pattern: Pattern::new(Planform::Square, 80e-6, 120e-6, 5.2e-6).unwrap(),
             relief: None,
             map: None,
-            land: None,
-            dimensions_std_m: [1e-6, 0.0, 0.2e-6],
+            land: Some(LandSlope { rms_slope: 0.015, over_flat: 1.1, log_std: 0.05 }),
+            dimensions_std_m: [1e-6, 2e-6, 0.2e-6],
             sample_std: None,
             disc: Some("disc \"1\"".into()),
-            specimen: slipgrid_infer::calibrate::CutSpecimen::default(),
+            specimen: CutSpecimen { face: Some(face), ..CutSpecimen::default() },
             measured: patterned,
         };
         CalibrationTask {

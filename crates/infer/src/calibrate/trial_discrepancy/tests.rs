@@ -8,6 +8,7 @@ use crate::calibrate::surface_area_law_source::surface_findings;
 use crate::calibrate::uncertainty::{flat_friction, local_law, local_law_changes};
 use crate::calibrate::{Coefficients, Selection};
 use crate::calibrate::{CutSpecimen, Measurement, Surface, TrialsTask, learn_alone};
+use crate::discrepancy::Form;
 
 pub fn measured(force_n: f64, humidity: f64, mu_dynamic: f64) -> Measurement {
     Measurement { force_n, speed_m_s: 2e-3, humidity, mu_dynamic, mu_dynamic_std: 0.002, static_peak: None }
@@ -178,10 +179,16 @@ fn a_sample_has_the_cavities_that_its_specimen_takes() {
     let outline = slipgrid_laser::export::Outline::Disc { diameter_m: 1.1e-3 };
     let specimen = slipgrid_laser::export::Specimen { outline, is_clipped: false };
     sample.specimen.face = Some(specimen);
+    sample.dimensions_std_m = [0.0, 5e-6, 0.0];
     let layout = specimen.layout(sample.pattern).unwrap();
     let expected = layout.areal_density() / sample.pattern.areal_density();
-    let features = learn_alone(&task, &Unwatched).unwrap().discrepancy.trials()[0].features;
+    let learned = learn_alone(&task, &Unwatched).unwrap().discrepancy;
+    let features = learned.trials()[0].features;
     assert!(expected < 0.9 && (features.face_share - expected).abs() < 1e-11, "{features:?} {expected}");
+    // At another spacing as many cavities take as much of the face: a discrepancy that follows it does not change.
+    let shift = &learned.trials()[0].dimension_shifts[0];
+    assert!(shift.above.areal_density < 0.98 * features.areal_density, "{shift:?}");
+    assert!(shift.log_form(&Form::Density, &features).abs() < 1e-9, "{shift:?}");
 }
 
 /// Designs treat fitted and measured laws as independent of the modulus. A trial must do so as well, or part of its
