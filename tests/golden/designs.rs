@@ -62,7 +62,7 @@ const VARIANTS: [(&str, &str, &str); 11] = [
     (
         "limits",
         "max_peak_pressure_mpa = 20.0",
-        "min_bearing_area = 0.6\nlift_off = \"refuse\"\nmin_clearance_um = 1.0\nmax_areal_density = 0.4",
+        "min_bearing_area = 0.6\nliftoff = \"refuse\"\nmin_clearance_um = 1.0\nmax_areal_density = 0.4",
     ),
     (
         "ring",

@@ -128,13 +128,16 @@ fn choose(
             _ => search.nothing_found(),
         });
     };
+    let nothing_to_cut = |reason: String| {
+        if search.stage.cancelled() { search.nothing_found() } else { DesignError::NothingToCut(reason) }
+    };
     if division.is_some() && best.texture.excess > 0.0 {
-        return Err(DesignError::NothingToCut(unkept(&search.violated_by(&best.texture))));
+        return Err(nothing_to_cut(unkept(&search.violated_by(&best.texture))));
     }
     if division.is_some() && found.solved.len() < options.count {
         let designs = counted(found.solved.len(), "design");
         let reason = format!("for {} sectors only {designs} that fit on one were found", options.count);
-        return Err(if search.stage.cancelled() { search.nothing_found() } else { DesignError::NothingToCut(reason) });
+        return Err(nothing_to_cut(reason));
     }
     let own = |pattern: &Pattern| {
         monitor.heed()?;
@@ -184,7 +187,7 @@ pub fn new_report(search: &Search<'_>, options: &NextOptions) -> NextReport {
         name: task.name.clone(),
         trials: asked.learned.trials().len(),
         pending: options.pending.len(),
-        cut_short: search.stage.cancelled().then(|| "search".to_owned()).into_iter().collect(),
+        cut_short: (search.stage.cancelled() && !options.learn).then(|| "search".to_owned()).into_iter().collect(),
         beyond_measured: task.beyond_measured(&prepared.material, &prepared.outside),
         material: prepared.material.provenance.clone(),
         specimen: (&task.specimen).into(),

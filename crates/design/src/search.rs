@@ -244,7 +244,7 @@ impl Search<'_> {
         let mut ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
         let content = (self.models.own.content(), pattern);
         let refine = || self.models.refined(pattern, false).ok_or(());
-        let refined = cached(self.stage, ("smaller blocks", &content), 0.0, refine).ok();
+        let refined = cached(self.stage, ("refined ratios", &content), 0.0, refine).ok();
         if let Some((shifts, _)) = &refined {
             ratio.iter_mut().zip(shifts).for_each(|(ratio, shift)| *ratio += shift);
         }
@@ -256,7 +256,7 @@ impl Search<'_> {
     }
 
     /// Replaces the effects of the specimen's ends and pressure tilt from the table by solved values, and in the plane
-    /// adds a dynamic run.
+    /// adds a dynamic run. Returns `found` as it is if the stage is cancelled.
     pub fn as_cut(&self, found: &Prediction) -> Prediction {
         if found.texture.known == Known::AsCut {
             return found.clone();
@@ -287,6 +287,9 @@ impl Search<'_> {
             || self.beyond.by_face(&pattern, &cell.ratio, false, self.stage),
             || self.beyond.by_time(&pattern, &cell.ratio, self.stage),
         );
+        if self.stage.cancelled() {
+            return found.clone();
+        }
         let mut parts = cell.parts.clone();
         let texture = cell.moved(&by_face).moved(&by_time);
         if self.models.own.dimension().takes_strips() {
@@ -367,6 +370,9 @@ impl Search<'_> {
             let pattern = first.texture.pattern;
             let Some(own) = known.solved.iter_mut().find(|of| of.texture.pattern == pattern) else { break };
             let found = self.as_cut(own);
+            if found.texture.known < Known::AsCut {
+                break;
+            }
             let by = found.texture.ratio.iter().zip(&own.texture.ratio).map(|(cut, solved)| (cut / solved).ln());
             known.by_cutting.learn([(pattern, by.collect())]);
             if self.limits_peak()
