@@ -100,7 +100,7 @@ pub struct ExploredTexture {
 }
 
 /// Relative distance beyond a bound that counts as rounding, such as that of the conversion from metres to micrometres.
-const BOUND_ROUNDING: f64 = 1e-9;
+pub const BOUND_ROUNDING: f64 = 1e-9;
 
 impl Explored {
     /// Interpolates the prediction for samples with width, spacing and depth `lengths_um`, at the loads of the first

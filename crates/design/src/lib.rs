@@ -112,7 +112,7 @@ pub use design_report::DesignReport;
 pub use dynamic_excess::correct;
 pub use error::{DesignError, Refusal, TaskPart};
 pub use evaluation_cache::{Answer, Answered, Evaluation, EvaluationCache, Evaluations, Fault, LARGEST, NoCache};
-pub use explorer::{Explored, Explorer, explore_bounds};
+pub use explorer::{BOUND_ROUNDING, Explored, Explorer, explore_bounds};
 pub use job::{DesignOutcome, run};
 pub use lattice_table::{Lattice, LatticeSample};
 pub use learning_disc::{LearningReport, MechanismReport, SectorRatios};

@@ -9,7 +9,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use rayon::prelude::*;
-use slipgrid::design::{DesignOutcome, Explored, NextOptions, NoCache, explore_bounds, next_trials, run};
+use slipgrid::design::{
+    BOUND_ROUNDING, DesignOutcome, Explored, NextOptions, NoCache, explore_bounds, next_trials, run,
+};
+use slipgrid::export::MAX_SECTORS;
 use slipgrid::formats::calibrated::{complete_by, read_calibration};
 use slipgrid::formats::calibration::Calibration;
 use slipgrid::formats::confirmed_scene::steady_scene;
@@ -20,7 +23,7 @@ use slipgrid::pattern::Pattern;
 use slipgrid::report::html::exploration;
 use slipgrid::report::{LaserFile, Outputs, draw, files};
 use slipgrid::results::{json, json_and_timings};
-use slipgrid::units::{PRESSURE_MPA, counted, tidy};
+use slipgrid::units::{LENGTH_UM, PRESSURE_MPA, counted, tidy};
 
 use crate::counts::{shown, to_count};
 use crate::errors::{Failure, failed, undesigned};
@@ -204,7 +207,7 @@ impl Design {
 
     /// Predictions for `rows` of width, spacing and depth in micrometres, by the lattice of the page with sliders. Columns: medians of
     /// all target pressures, lower and upper ends of the 95 % interval, chance, peak pressure in MPa, clearance in micrometres,
-    /// areal density, laser seconds; NaN outside the bounds and beside textures without an answer. Beside them the pressures in MPa,
+    /// areal density, laser seconds; NaN for a NaN and beside textures without an answer. Beside them the pressures in MPa,
     /// the quantity of the target, errors of the interpolated medians (median and maximum over random textures), and warnings.
     #[pyo3(signature = (rows, progress=None))]
     fn predict<'py>(
@@ -213,8 +216,19 @@ impl Design {
         rows: PyReadonlyArray2<'py, f64>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> Result<Predicted<'py>, Failure> {
+        let rows = rows.as_array();
+        for (axis, name) in ["width_um", "spacing_um", "depth_um"].into_iter().enumerate() {
+            let [from, to] = self.read.task.space.lengths_m()[axis].map(|length_m| LENGTH_UM.from_si(length_m));
+            let within = from * (1.0 - BOUND_ROUNDING)..=to * (1.0 + BOUND_ROUNDING);
+            if let Some(beyond) = rows.column(axis).iter().find(|length| !length.is_nan() && !within.contains(length)) {
+                let refused = Diagnostic::flag(name, beyond.to_string(), "is beyond the bounds of the design");
+                return Err(refused
+                    .expected(if from == to { from.to_string() } else { format!("{from} to {to}") })
+                    .into());
+            }
+        }
         let bounds = self.explored(py, progress)?;
-        let (found, rows) = (&bounds.found, rows.as_array());
+        let found = &bounds.found;
         let points = found.task.target.points();
         let columns = 3 * points.len() + BESIDE;
         let mut values = vec![f64::NAN; rows.nrows() * columns];
@@ -242,19 +256,28 @@ impl Design {
     }
 
     /// The record of the `count` samples to cut next, as `slipgrid next --json` writes it; `candidates_um` are additional patterns whose probability is computed.
-    #[pyo3(signature = (count, candidates_um, progress=None))]
+    #[pyo3(signature = (count, candidates_um, progress=None, one_disc=false, learn=false))]
     fn next_samples(
         &self,
         py: Python<'_>,
         count: &Bound<'_, PyAny>,
         candidates_um: Vec<[f64; 3]>,
         progress: Option<&Bound<'_, PyAny>>,
+        one_disc: bool,
+        learn: bool,
     ) -> Result<(String, Told), Failure> {
+        let accepted = if one_disc { 2..=MAX_SECTORS } else { SAMPLES };
         let refused = || {
-            let [least, most] = [SAMPLES.start(), SAMPLES.end()];
-            PyValueError::new_err(format!("count is {}: expected {least} to {most}", shown(count)))
+            let [least, most] = [accepted.start(), accepted.end()];
+            let on = if one_disc { " sectors of one_disc" } else { "" };
+            PyValueError::new_err(format!("count is {}: expected {least} to {most}{on}", shown(count)))
         };
-        let count = to_count("count", count)?.filter(|count| SAMPLES.contains(count)).ok_or_else(refused)?;
+        if learn && (one_disc || !candidates_um.is_empty() || !count.eq(1)?) {
+            let reason =
+                "learn chooses both sectors of one disc itself: expected neither count, candidates_um nor one_disc";
+            return Err(PyValueError::new_err(reason).into());
+        }
+        let count = to_count("count", count)?.filter(|count| accepted.contains(count)).ok_or_else(refused)?;
         let own = candidates_um.iter().map(|lengths_um| {
             let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
             Pattern::new(*self.read.task.space.texture(), width_m, spacing_m, depth_m)
@@ -266,7 +289,8 @@ impl Design {
             let mut warnings = self.told(&read, calibration.as_ref());
             let samples = calibration.map_or_else(Vec::new, |calibration| calibration.stated.trials.samples);
             let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
-            let options = NextOptions { count, pending, own, ..NextOptions::default() };
+            let discs = samples.iter().filter_map(|cut| cut.disc.clone()).collect();
+            let options = NextOptions { count, pending, own, one_disc, learn, discs };
             let found = next_trials(&read.task, &options, watch).map_err(|error| undesigned(error, &self.read))?;
             warnings.extend(found.report.doubts());
             Ok::<_, Failure>((found.report, warnings))

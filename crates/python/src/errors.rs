@@ -77,12 +77,41 @@ impl From<Failure> for PyErr {
             Failure::Refused(refused) if refused.is_absent => ("MissingFileError", refused),
             Failure::Refused(refused) => ("InputError", refused),
             Failure::TooLarge(refused) => ("TooLargeError", refused),
-            Failure::Failed(reason) => return Python::attach(|py| made(py, "ComputationError", &reason, None)),
+            Failure::Failed(reason) => {
+                return Python::attach(|py| made(py, "ComputationError", &in_python(&reason), None));
+            }
             Failure::Stopped => return PyRuntimeError::new_err("stopped"),
             Failure::Raised(raised) => return raised,
         };
-        Python::attach(|py| made(py, class, &refused.to_string(), Some(&refused)))
+        Python::attach(|py| made(py, class, &in_python(&refused.to_string()), Some(&refused)))
     }
+}
+
+/// Commands that messages of the library name, and what takes their place in Python.
+const IN_PYTHON: [(&str, &str); 7] = [
+    ("`slipgrid simulate`", "`Scene`"),
+    ("`slipgrid optimize`", "`Design`"),
+    ("`slipgrid calibrate`", "`Calibration`"),
+    ("`slipgrid campaign plan`", "`slipgrid.campaign`"),
+    ("`slipgrid surface` and `area-law` take", "`Map` takes"),
+    ("`traces` a recording", "`Calibration` recordings"),
+    (", which `slipgrid export` takes", ""),
+];
+
+/// Puts a `message` of the library in terms of Python: classes in place of commands, and arguments in place of options,
+/// `pixel_um` for `--pixel-um`.
+fn in_python(message: &str) -> String {
+    let said = IN_PYTHON.iter().fold(message.to_owned(), |said, (command, here)| said.replace(command, here));
+    let mut parts = said.split("--");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let end = part.find(|letter: char| !letter.is_ascii_lowercase() && letter != '-').unwrap_or(part.len());
+        let is_option = end > 0 && text.chars().next_back().is_none_or(|before| " (".contains(before));
+        let (option, rest) = part.split_at(if is_option { end } else { 0 });
+        text += &if is_option { option.replace('-', "_") } else { "--".to_owned() };
+        text += rest;
+    }
+    text
 }
 
 /// Makes an exception of `slipgrid.errors`, with the position and the accepted values of refused input.
@@ -94,7 +123,7 @@ fn made(py: Python<'_>, class: &str, reason: &str, refused: Option<&Diagnostic>)
             named.set_item("line", refused.line)?;
             named.set_item("key", refused.key.as_deref())?;
             named.set_item("value", refused.value.as_deref())?;
-            named.set_item("expected", refused.expected.as_deref())?;
+            named.set_item("expected", refused.expected.as_deref().map(in_python))?;
         }
         py.import("slipgrid.errors")?.getattr(class)?.call((reason,), Some(&named))
     };

@@ -24,7 +24,7 @@ def material() -> slipgrid.Material:
 
 def test_arrays_broadcast_and_agree_with_a_scene(material: slipgrid.Material) -> None:
     widths_um, pressures_mpa = np.array([100.0, 130.0, np.nan]), [0.65, 2.6]
-    grid = material.ratio(widths_um[:, None], 370.0, 20, pressures_mpa, sample=SAMPLE)
+    grid = material.ratio(widths_um, 370.0, 20, pressures_mpa, sample=SAMPLE)
     assert grid.shape == (3, 2) and np.isnan(grid[2]).all() and not np.isnan(grid[:2]).any()
     solved = slipgrid.Scene(**SCENE).simulate()
     assert np.allclose(grid[1], solved.ratio, rtol=1e-14, atol=0.0)
@@ -33,10 +33,14 @@ def test_arrays_broadcast_and_agree_with_a_scene(material: slipgrid.Material) ->
     assert np.allclose(peak, [row.peak_pressure_mpa for row in solved.results], rtol=1e-11, atol=0.0)
     one = material.ratio(130.0, 370.0, 20.0, 2.6, sample=SAMPLE)
     assert one.shape == () and one == grid[1, 1]
-    # Pressures of a texture may differ from those of another.
-    each = material.ratio([130.0, 100.0, 130.0], 370.0, 20.0, [2.6, 0.65, 0.65], sample=SAMPLE)
-    assert np.array_equal(each, [grid[1, 1], grid[0, 0], grid[1, 0]])
+    # Pressures are the last axis, whatever the shape of the lengths.
+    many = material.ratio([[130.0], [100.0]], [370.0, 200.0], 20.0, pressures_mpa, sample=SAMPLE)
+    assert many.shape == (2, 2, 2) and np.array_equal(many[:, 0], grid[[1, 0]])
     assert material.ratio([], 370.0, 20.0, 1.0).shape == (0,)
+    cell = slipgrid.Scene(**SCENE).steady()
+    assert np.array_equal(cell.ratio([130.0, 100.0], 370.0, 20.0, pressures_mpa), cell.ratio([130.0, 100.0], 370.0, 20.0))
+    with pytest.raises(ValueError, match=r"pressure_mpa has the shape \(1, 2\): expected one number or shape \(pressures,\)"):
+        material.ratio(130.0, 370.0, 20.0, [pressures_mpa])
     squares = material.ratio(130.0, 370.0, 20.0, 2.6, sample={"layer_um": 40, "block_um": 20}, pattern={"planform": "square"})
     assert 0.9 < squares < 1.0
 
@@ -67,7 +71,7 @@ def test_pressures_beyond_those_measured_are_warned_of_where_the_caller_stands()
 def test_predictions_are_those_of_the_design_that_was_found() -> None:
     """The lattice of a page agrees with the prediction that `next` computes for the same textures."""
     design = slipgrid.Design(**DESIGN)
-    found = design.predict([60.0, 80.0, 300.0], [100.0, 120.0, 100.0], 10.0)
+    found = design.predict([60.0, 80.0, np.nan], [100.0, 120.0, 100.0], 10.0)
     assert found.median.shape == (3, 1) and found.chance.shape == (3,) and found.pressure_mpa.tolist() == [2.6]
     assert np.isnan(found.median[2]).all() and np.isnan(found.chance[2])
     own = design.next(1, [(60, 100, 10), (80, 120, 10)]).own

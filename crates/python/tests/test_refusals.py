@@ -95,6 +95,48 @@ def test_threads_are_bounded() -> None:
             slipgrid.set_threads(count)
 
 
+def test_lengths_beyond_the_bounds_are_refused_with_the_bounds() -> None:
+    design = slipgrid.Design(**{**DESIGN, "bounds": {**DESIGN["bounds"], "depth_um": 10.0}})
+    for lengths, says in [
+        ((-1.0, 100.0, 10.0), "width_um: -1 is beyond the bounds of the design; expected 40 to 100"),
+        (([60.0, 80.0], [200.5, 100.0], 10.0), "spacing_um: 200.5 is .* expected 40 to 200"),
+        ((60.0, 100.0, np.inf), "depth_um: inf is .* expected 10$"),
+    ]:
+        with pytest.raises(ValueError, match=says) as refused:
+            design.predict(*lengths)
+        assert isinstance(refused.value, InputError)
+    assert design.predict([40.0, 100.0], 200.0, 10.0).chance.shape == (2,)
+
+
+def test_samples_may_share_a_disc_and_teach() -> None:
+    design = slipgrid.Design(**{**DESIGN, "specimen": {"shape": "disc", "diameter_mm": 4.0}})
+    disc = design.next(2, one_disc=True)
+    assert len(disc.samples) == 2 and disc.one_disc is not None and len(disc.one_disc.sectors) == 2
+    learned = design.next(learn=True)
+    assert learned.learning is not None and disc.learning is None
+    with pytest.raises(ValueError, match="count is 1: expected 2 to 12 sectors of one_disc"):
+        design.next(one_disc=True)
+    for more in ({"count": 2}, {"candidates_um": [(60, 100, 10)]}, {"one_disc": True}):
+        with pytest.raises(ValueError, match="learn chooses both sectors of one disc itself"):
+            design.next(learn=True, **more)
+
+
+def test_a_cache_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    for wrong in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(OSError):
+            slipgrid.set_cache(wrong)
+
+
+def test_messages_speak_of_python(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="seems to be a scene file, which `Scene` takes; expected a design file") as refused:
+        slipgrid.Design.from_toml(toml(SCENE))
+    assert "slipgrid" not in str(refused.value)
+    (tmp_path / "table--1.csv").write_text("a,b\n1,2\n")
+    with pytest.raises(InputError, match=r"table--1.csv: is a table of numbers: `Map` takes an altitude map"):
+        slipgrid.Design.read(tmp_path / "table--1.csv")
+
+
 def test_counts_of_any_size_are_refused_in_words() -> None:
     design = slipgrid.Design(**DESIGN)
     for count in (0, -1, 21, 2**70):
@@ -191,9 +233,10 @@ def test_files_are_read_and_refused_as_by_the_command_line(tmp_path: Path, monke
         ]:
             with pytest.raises(InputError, match=says) as refused:
                 read(wrong)
-            assert str(refused.value) in refused_by_the_program(tmp_path, own, wrong)
+            if says != "seems to be a ":
+                assert str(refused.value) in refused_by_the_program(tmp_path, own, wrong)
         assert read(f"utf-16-{name}").warnings == read(f"utf-8-{name}").warnings
-    with pytest.raises(InputError, match="^calibration.toml: seems to be a design file, which `slipgrid optimize` takes"):
+    with pytest.raises(InputError, match="^calibration.toml: seems to be a design file, which `Design` takes"):
         slipgrid.Calibration.from_toml(texts["design.toml"])
     assert slipgrid.Scene.read("utf-16-scene.toml").simulate() == slipgrid.Scene(**SCENE, name="Größe").simulate()
 

@@ -12,7 +12,7 @@ A design file, a search that is confirmed in time, the files of a laser::
 Arrays of textures, by a material::
 
     material = slipgrid.Material.read("tpu.toml")
-    ratio = material.ratio(width_um, spacing_um, depth_um, pressure_mpa)
+    ratio = material.ratio(width_um, spacing_um, depth_um, pressure_mpa)   # pressures are the last axis
 
 Units stand in names: ``width_um``, ``pressure_mpa``. Fields are those of the files and of result.json. Results are equal to those of
 the command line to the last bit, with any number of threads. Ctrl-C ends a computation. Input that is refused raises
@@ -23,6 +23,7 @@ reading.
 
 from __future__ import annotations
 
+import tempfile
 from os import PathLike
 from pathlib import Path
 
@@ -68,8 +69,19 @@ def set_cache(folder: str | PathLike[str] | None) -> None:
     folder
         Folder of the cache. ``None`` keeps nothing, as the flag ``--no-cache``. Until the first call it is the folder of the command
         line: that in the environment variable ``SLIPGRID_CACHE``, or ``slipgrid`` in the system's cache folder.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be made or written to.
     """
-    _slipgrid.set_cache(_slipgrid.__file__, folder is not None, None if folder is None else Path(folder))
+    folder = None if folder is None else Path(folder)
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+        # A computation never fails because of its cache, and would not say that nothing is kept.
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    _slipgrid.set_cache(_slipgrid.__file__, folder is not None, folder)
 
 
 _slipgrid.set_cache(_slipgrid.__file__, True, None)

@@ -28,8 +28,8 @@ Drawing = Literal["dxf", "svg", "csv", "process", "plt", "gcode", "corners", "ha
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Predictions of cut samples. Arrays have the shape of the textures; those by pressure a last axis (pressures,). NaN stands outside
-    the bounds, and where the model has no answer. Values are those of the first condition of a task, the chance that of all."""
+    """Predictions of cut samples. Arrays have the shape of the textures; those by pressure a last axis (pressures,). NaN stands where
+    a length is NaN, and where the model has no answer. Values are those of the first condition of a task, the chance that of all."""
 
     #: Nominal pressures in MPa, shape (pressures,).
     pressure_mpa: NDArray[np.float64]
@@ -186,6 +186,11 @@ class Design:
         -------
         Prediction
             Arrays of the common shape, those by pressure with a last axis (pressures,).
+
+        Raises
+        ------
+        slipgrid.errors.InputError
+            If a length lies beyond the bounds.
         """
         columns, shape = rows(width_um=width_um, spacing_um=spacing_um, depth_um=depth_um)
         values, pressure_mpa, quantity, (median_error, max_error), warnings = self._design.predict(columns, progress)
@@ -218,19 +223,33 @@ class Design:
         _slipgrid.write_file(page, path, self._design.inputs)
         return path
 
-    def next(self, count: int = 1, candidates_um: ArrayLike = (), progress: Progress | None = None) -> NextSamples:
+    def next(
+        self,
+        count: int = 1,
+        candidates_um: ArrayLike = (),
+        progress: Progress | None = None,
+        *,
+        one_disc: bool = False,
+        learn: bool = False,
+    ) -> NextSamples:
         """Chooses the samples to cut next by what trials say.
 
         Parameters
         ----------
         count
-            Number of samples, 1 to 20.
+            Number of samples, 1 to 20; 2 to 12 on one disc.
         candidates_um
             Textures whose chance is asked for as well: rows of width, spacing and depth, shape (textures, 3).
         progress
             Called with the stage and the share that is done.
+        one_disc
+            Whether the samples are sectors of one disc, each of which is measured alone.
+        learn
+            Whether to choose the disc of two sectors that teaches most about which mechanism the model lacks, in place of ``count``
+            samples that are likely on target.
         """
-        return NextSamples(*self._design.next_samples(count, triples("candidates_um", candidates_um), progress))
+        own = triples("candidates_um", candidates_um)
+        return NextSamples(*self._design.next_samples(count, own, progress, one_disc, learn))
 
     def __repr__(self) -> str:
         return repr(self._design)

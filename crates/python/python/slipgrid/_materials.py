@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _plots, _slipgrid
 from ._designs import Design, Prediction
-from ._records import Kept, Progress, document, frame, real, rows, table, write
+from ._records import Kept, Progress, by_pressure, document, frame, real, rows, table, write
 from ._scenes import Scene
 from .types import FitRecord, TrialsRecord
 
@@ -129,7 +129,7 @@ class Material:
     ...     area_law = { pressure_mpa = [0.7, 2.6, 10.0], factor = [1.0, 0.7, 0.3] }
     ... ''')
     >>> widths_um = np.array([60.0, 130.0])
-    >>> material.ratio(widths_um[:, None], 370.0, 20.0, [0.65, 2.6]).round(3)
+    >>> material.ratio(widths_um, 370.0, 20.0, [0.65, 2.6]).round(3)
     array([[0.984, 0.958],
            [0.958, 0.907]])
     """
@@ -178,7 +178,7 @@ class Material:
         return _slipgrid.Scene(text, "material", fidelity="steady", extent="cell", objects=objects).steady()
 
     def _solve(self, value: int, arguments: dict[str, ArrayLike], options: CellOptions) -> NDArray[np.float64]:
-        columns, shape = rows(**arguments)
+        columns, shape = by_pressure(**arguments)
         found: NDArray[np.float64] = self._steady(columns, options).solve(columns)[:, value].reshape(shape)[()]
         return found
 
@@ -192,15 +192,15 @@ class Material:
     ) -> NDArray[np.float64]:
         """Dynamic friction of textures over that of the flat surface, by the model alone.
 
-        The arguments broadcast as those of NumPy ufuncs. Each distinct texture is solved once for all its pressures, as one period in
-        steady sliding, on all threads and without the interpreter lock.
+        The lengths broadcast as those of NumPy ufuncs; pressures are the last axis, as in :meth:`predict`. Each distinct texture is
+        solved once for all pressures, as one period in steady sliding, on all threads and without the interpreter lock.
 
         Parameters
         ----------
         width_um, spacing_um, depth_um
             Lengths of cavities in micrometres, of any shapes that broadcast.
         pressure_mpa
-            Nominal pressures in MPa, of any shape that broadcasts.
+            Nominal pressures in MPa, shape (pressures,), or one number, which adds no axis.
         **options
             Tables of a scene file: ``condition`` for a material with coefficients per condition, ``pattern`` without its lengths
             (grooves by default), ``sample``.
@@ -208,7 +208,7 @@ class Material:
         Returns
         -------
         ndarray
-            Ratios in the common shape; NaN where an argument is NaN.
+            Ratios in the common shape of the lengths, with a last axis (pressures,); NaN where an argument is NaN.
 
         Raises
         ------

@@ -210,6 +210,16 @@ def rows(**arguments: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     return columns.reshape(-1, len(arrays)), shape
 
 
+def by_pressure(pressure_mpa: ArrayLike, **lengths_um: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    """As :func:`rows`, with the pressures as the last axis, behind the common shape of the lengths; one pressure adds no axis."""
+    pressures = real("pressure_mpa", pressure_mpa)
+    if pressures.ndim > 1:
+        raise ValueError(f"pressure_mpa has the shape {pressures.shape}: expected one number or shape (pressures,)")
+    if pressures.ndim == 1:
+        lengths_um = {name: np.expand_dims(np.asanyarray(own), -1) for name, own in lengths_um.items()}
+    return rows(**lengths_um, pressure_mpa=pressures)
+
+
 def heights(given: ArrayLike) -> NDArray[np.float64]:
     """``given`` as a matrix of heights, NaN where they are masked."""
     matrix = real("heights_m", given, _slipgrid.MAX_MAP_POINTS, "points")

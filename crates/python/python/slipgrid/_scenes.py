@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _plots, _slipgrid
-from ._records import Kept, Progress, Record, array, document, frame, rows, table, write
+from ._records import Kept, Progress, Record, array, by_pressure, document, frame, table, write
 from .types import SimulationRecord
 
 if TYPE_CHECKING:
@@ -119,9 +119,9 @@ class Scene:
 class SteadyCell:
     """One period of a texture in steady sliding, for arrays of lengths and pressures.
 
-    Each method broadcasts its arguments as NumPy ufuncs do, solves each distinct texture once for all its pressures, on all
-    threads and without the interpreter lock, and returns an array of the common shape. NaN where an argument is NaN or friction is
-    not defined. Without ``pressure_mpa`` the loads of the scene are the last axis.
+    Lengths broadcast as those of NumPy ufuncs; pressures are the last axis of what is returned, as in :meth:`Design.predict`. Each
+    distinct texture is solved once for all pressures, on all threads and without the interpreter lock. NaN where an argument is NaN
+    or friction is not defined.
     """
 
     def __init__(self, cell: _slipgrid.SteadyCell) -> None:
@@ -130,8 +130,7 @@ class SteadyCell:
     def _solve(self, value: int, lengths_um: dict[str, ArrayLike], pressure_mpa: ArrayLike | None) -> NDArray[np.float64]:
         if pressure_mpa is None:
             pressure_mpa = self._cell.pressure_mpa
-            lengths_um = {name: np.expand_dims(np.asanyarray(own), -1) for name, own in lengths_um.items()}
-        columns, shape = rows(**lengths_um, pressure_mpa=pressure_mpa)
+        columns, shape = by_pressure(pressure_mpa, **lengths_um)
         found: NDArray[np.float64] = self._cell.solve(columns)[:, value].reshape(shape)[()]
         return found
 
@@ -145,12 +144,12 @@ class SteadyCell:
         width_um, spacing_um, depth_um
             Lengths of cavities in micrometres, of any shapes that broadcast.
         pressure_mpa
-            Nominal pressures in MPa, of any shape that broadcasts.
+            Nominal pressures in MPa, shape (pressures,), or one number, which adds no axis; the loads of the scene when absent.
 
         Returns
         -------
         ndarray
-            Ratios; a scalar for scalars.
+            Ratios in the common shape of the lengths, with a last axis (pressures,).
         """
         return self._solve(0, {"width_um": width_um, "spacing_um": spacing_um, "depth_um": depth_um}, pressure_mpa)
 

@@ -202,6 +202,8 @@ class Design:
         count: int,
         candidates_um: Sequence[tuple[float, float, float]],
         progress: _Progress | None = None,
+        one_disc: bool = False,
+        learn: bool = False,
     ) -> tuple[str, _Told]: ...
 
 @final

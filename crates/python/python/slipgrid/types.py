@@ -303,7 +303,7 @@ class LimitsTable(TypedDict, total=False):
     max_areal_density: float
     max_laser_time_s: float
     min_clearance_um: float
-    lift_off: Literal["refuse", "allow"]
+    liftoff: Literal["refuse", "allow"]
 
 
 class AblationTable(TypedDict, total=False):
