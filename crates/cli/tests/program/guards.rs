@@ -111,11 +111,11 @@ fn a_design_that_no_specimen_takes_is_refused_before_the_search() {
         ("small.toml", &squares.replace("diameter_mm = 1.0", "diameter_mm = 0.03")),
         ("large.toml", &squares.replace(specimen, large)),
         ("none.toml", &squares.replace("diameter_mm = 1.0", "diameter_mm = 0.07")),
-        ("some.toml", &small().replace("diameter_mm = 1.0", "diameter_mm = 0.1")),
+        ("some.toml", &small().replace("diameter_mm = 1.0", "diameter_mm = 0.12")),
     ]);
     place.refuse_all(
         "optimize small.toml => widths do not fit whole on the specimen, whose extent is 0.03 mm
-          optimize none.toml => is too small for any of the bounds: the pattern repeats every 0.08 mm, more than the specimen's 0.07 mm
+         optimize none.toml => is too small for any of the bounds: the pattern repeats every 0.1 mm, more than the specimen's 0.07 mm
          optimize large.toml => cavities fit on the specimen: expected at most 10000000",
     );
     assert!(!place.path("out").exists());

@@ -8,6 +8,7 @@ use slipgrid_model::pattern::{Pattern, Planform};
 use slipgrid_model::springblock::Layer;
 
 use super::{contradicted, near, random, searched, steady, taught, three_tasks, trial};
+use crate::prediction::Prediction;
 use crate::search::Search;
 use crate::slopes::slopes;
 
@@ -181,7 +182,13 @@ fn a_slope_follows_what_is_lacking_to_both_sides() {
                 let beside = |side: f64| -> Vec<f64> {
                     let mut beside_m = lengths_m;
                     beside_m[axis] += side * steps_m[axis];
-                    let (made, own) = (pattern(beside_m), search.solved(&pattern(beside_m)).unwrap());
+                    let made = pattern(beside_m);
+                    // As many cavities as the design, whose share of the face those of a design beside it may miss.
+                    let mut own = search.solved(&made).unwrap().texture;
+                    let features = Features { face_share: laid.share(&made), ..own.features };
+                    let shifts = own.dimension_shifts.iter().map(|shift| shift.about(&own.features, &features));
+                    (own.dimension_shifts, own.features) = (shifts.collect(), features);
+                    let own = Prediction::new(own, &search.predictor, search.asked);
                     let ratios = model.ratios_made(&made, &laid).unwrap();
                     let lacking =
                         own.medians().into_iter().zip(&own.texture.ratio).map(|(median, ratio)| median / ratio);

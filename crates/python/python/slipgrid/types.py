@@ -99,6 +99,7 @@ class TrialTable(TypedDict, total=False):
     width_um: Required[float]
     pitch_um: Required[float]
     depth_um: Required[float]
+    face_share: float
     sample_std: float
     width_std_um: float
     spacing_std_um: float
@@ -1025,6 +1026,7 @@ class NextRecord(Record):
     learning: Optional[Learning]
     others: list[Sample]
     own: list[Sample]
+    cut_short: list[str]
     warnings: list[str]
     beyond_measured: Optional[str]
     material: MaterialSource
