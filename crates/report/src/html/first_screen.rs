@@ -171,9 +171,11 @@ fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>)
         Some(half / flat_of(report, row)?)
     });
     let largest = report.sample.limited_by.iter().map(std).fold(tolerance.unwrap_or(0.0), f64::max);
-    // In the order of the record, by the chance without the input, as `limited mostly by` names the first.
-    let shown = report.sample.limited_by.iter().filter(|limit| std(limit) >= MIN_BAR * largest);
-    let shown: Vec<&LimitedBy> = shown.take(MAX_BARS).collect();
+    // The widest, in the order of the record: by the chance without the input, as `limited mostly by` names the first.
+    let all = &report.sample.limited_by;
+    let wider = |limit: &LimitedBy| all.iter().filter(|other| std(other) > std(limit)).count();
+    let shown = all.iter().filter(|limit| std(limit) >= MIN_BAR * largest && wider(limit) < MAX_BARS);
+    let shown: Vec<&LimitedBy> = shown.collect();
     if largest > 0.0 && !shown.is_empty() {
         let at = plain(report.target.pressure_mpa.get(row).copied());
         let accepted = if tolerance.is_some() { ", against what is accepted" } else { "" };
