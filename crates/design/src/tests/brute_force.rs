@@ -33,7 +33,8 @@ fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
         let own = search.models.at(&made).unwrap().sensitivity.into_iter().zip(designed_for);
         let own: Vec<Sensitivity> =
             own.map(|(made, designed)| Sensitivity { modulus: designed.modulus, ..made }).collect();
-        let lacking = search.predictor.predict(&Features::from(&made), &own);
+        let features = Features { face_share: laid.share(&made), ..Features::from(&made) };
+        let lacking = search.predictor.predict(&features, &own);
         let which = normals.draw();
         let mut deviates = || -> Vec<f64> { (0..n).map(|_| normals.draw()).collect() };
         let (z, shared) = (deviates(), deviates());
