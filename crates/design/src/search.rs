@@ -6,26 +6,22 @@
 //!   -> solve the best as cut (specimen's ends, tilt, time); correct the table -> repeat until the best is as cut
 //! ```
 
+mod cutting;
 mod progress;
 mod ranking;
-
-use std::sync::Arc;
 
 use crate::optimize::{ConstraintQuantity, ModelFailure, Violation};
 use rayon::prelude::*;
 use slipgrid_base::monitor::{Monitor, Part as Share, cached};
-use slipgrid_base::units::PRESSURE_MPA;
 use slipgrid_infer::discrepancy::{Features, Measured, Predictor, Sensitivity, Trial};
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, tilt_relative_error};
 
 use self::progress::Progress;
 use crate::DesignError;
 use crate::as_cut::{BeyondCells, CutTexture, Known};
 use crate::band::Asked;
-use crate::confirmation::{confirming_scene, run_in_time};
 use crate::evaluation_cache::Answer;
-use crate::inputs::{InputEffect, Inputs, Part, known_to};
+use crate::inputs::Inputs;
 use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::sensitivities::Models;
@@ -33,9 +29,6 @@ use crate::steps::{Place, Steps, climb};
 use crate::table::Table;
 use crate::task::DesignTask;
 
-/// Effects whose errors a run of the specimen adds to those of its cell, which has that of the size of blocks. The error of
-/// averaging over time is [`crate::inputs`]' own.
-const OF_RUN: [Effect; 5] = [Effect::Layout, Effect::Rims, Effect::Time, Effect::Behind, Effect::Tilt];
 /// Total weight of the likeliest members of the predictor's mixture that preselect textures; the whole mixture ranks
 /// these textures. After one trial, such members are a sixth of all.
 pub const SHARE_OF_RANKING: f64 = 0.8;
@@ -255,70 +248,6 @@ impl Search<'_> {
         Ok(self.predicted(texture.moved(&self.table.by_face(pattern))))
     }
 
-    /// Replaces the effects of the specimen's ends and pressure tilt from the table by solved values, and in the plane
-    /// adds a dynamic run. Returns `found` as it is if the stage is cancelled.
-    pub fn as_cut(&self, found: &Prediction) -> Prediction {
-        if found.texture.known == Known::AsCut {
-            return found.clone();
-        }
-        let by_table: Vec<f64> = self.table.by_face(&found.texture.pattern).iter().map(|by| -by).collect();
-        let cell = found.texture.clone().moved(&by_table);
-        let pattern = cell.pattern;
-        if let (Some(face), true) = (&self.beyond.face, self.models.own.dimension().takes_strips()) {
-            let scene = confirming_scene(self.prepared, self.models.own, &pattern, false);
-            let run = run_in_time(&scene, face, &Share::new(self.stage, 0.0)).ok();
-            if let Some((by_run, run)) = run.and_then(|run| Some((self.beyond.by_run(&cell.ratio, &run)?, run))) {
-                let mut parts = cell.parts.clone();
-                parts.extend(OF_RUN.iter().filter_map(|effect| self.of_effect(*effect, &log_stds(*effect, &run))));
-                // The outer lands of a specimen carry a higher pressure than an infinite pattern, and stick-slip adds to it.
-                let of_run_mpa = PRESSURE_MPA.from_si(run.peak_pressure_pa());
-                let raised = |cell: &Answer| Answer {
-                    peak_pressure_mpa: cell.peak_pressure_mpa.max(of_run_mpa),
-                    ..cell.clone()
-                };
-                let limited = cell.limited.as_ref().map(raised);
-                let texture = cell.moved(&by_run).with_parts(parts);
-                let limited = limited.and_then(|answer| self.limited(texture.clone(), &answer).ok());
-                let texture = limited.unwrap_or(texture);
-                return self.predicted(CutTexture { known: Known::AsCut, run: Some(Arc::new(run)), ..texture });
-            }
-        }
-        let (by_face, by_time) = rayon::join(
-            || self.beyond.by_face(&pattern, &cell.ratio, false, self.stage),
-            || self.beyond.by_time(&pattern, &cell.ratio, self.stage),
-        );
-        if self.stage.cancelled() {
-            return found.clone();
-        }
-        let mut parts = cell.parts.clone();
-        let texture = cell.moved(&by_face).moved(&by_time);
-        if self.models.own.dimension().takes_strips() {
-            return self.predicted(CutTexture { known: Known::AsCut, ..texture });
-        }
-        // In space the face adds the tilt alone.
-        let relative = tilt_relative_error(self.task.layer.holder);
-        parts.extend(self.of_effect(Effect::Tilt, &by_face.iter().map(|by| relative * by).collect::<Vec<f64>>()));
-        self.predicted(CutTexture { known: Known::AsCut, ..texture.with_parts(parts) })
-    }
-
-    /// Uncertainty from `effect`, an error common to all loads and conditions: `log` has its standard deviation of ln R at
-    /// each load, with the sign of the effect there. `None` without an error.
-    fn of_effect(&self, effect: Effect, log: &[f64]) -> Option<Part> {
-        let (n, count) = (self.asked.loads.len(), log.len());
-        let most = log.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
-        let covariance = (0..n * n).map(|e| log[e / n % count] * log[e % n % count]).collect();
-        let holder = self.task.layer.holder;
-        (most > 0.0).then(|| Part {
-            name: effect.name(),
-            known_to: match effect {
-                Effect::Tilt if holder.is_none() => "as nobody says how it is held".to_owned(),
-                Effect::Tilt => known_to(tilt_relative_error(holder)),
-                _ => format!("{} of the ratio", known_to(most)),
-            },
-            effect: InputEffect::Shared(covariance),
-        })
-    }
-
     fn limits_peak(&self) -> bool {
         let mut limits = self.task.constraints.quantities.iter();
         limits.any(|limit| limit.quantity == ConstraintQuantity::PeakPressure)
@@ -508,14 +437,6 @@ impl Search<'_> {
         let rest: Vec<&Prediction> = solved.iter().filter(is_left).take(lacking).collect();
         chosen.into_iter().chain(rest).take(most).cloned().collect()
     }
-}
-
-/// Standard deviations of ln R by `effect`, as `run` corrects it, with the sign of the correction: if the effect exceeds
-/// its mean, a ratio changes in this direction.
-fn log_stds(effect: Effect, run: &Simulation) -> Vec<f64> {
-    let std = |own: &Correction| own.std.unwrap_or(0.0).copysign(own.change);
-    let of = |load: &LoadOutcome| load.correction(effect).map_or(0.0, std) / load.ratio().unwrap_or(1.0);
-    run.loads.iter().map(of).collect()
 }
 
 /// Sorts by decreasing value, and by decreasing chance where textures break limits equally.
