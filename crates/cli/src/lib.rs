@@ -45,6 +45,8 @@ const MAX_NAMED: usize = 4;
 
 /// Exit codes of the program.
 pub mod exit_code {
+    use slipgrid_design::Advice;
+
     /// Done; `optimize`, `next`: a sample or a series is worth cutting, or a trial meets the target.
     pub const DONE: u8 = 0;
     /// Any failure without a specific code.
@@ -59,12 +61,13 @@ pub mod exit_code {
     /// Ctrl-C was pressed: no result was written.
     pub const INTERRUPTED: u8 = 130;
 
-    /// Exit code of a result with the `advice` named in its record; `is_cut_short`: the time limit ended a stage.
-    pub fn of_advice(advice: &str, is_cut_short: bool) -> u8 {
+    /// Exit code of a result with this `advice`, `None` of a disc to learn from; `is_cut_short`: the time limit ended a
+    /// stage.
+    pub const fn of_advice(advice: Option<&Advice>, is_cut_short: bool) -> u8 {
         match advice {
             _ if is_cut_short => BUDGET,
-            "cannot_be_met" | "do_not_texture" => UNREACHABLE,
-            _ => DONE,
+            None | Some(Advice::Series | Advice::Trial | Advice::TrialMeetsIt { .. }) => DONE,
+            Some(Advice::CannotBeMet { .. } | Advice::DoNotTexture) => UNREACHABLE,
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::DesignError;
 use crate::as_cut::CutTexture;
 use crate::band::Asked;
 use crate::next_report::{NextReport, RatioPrediction};
-use crate::next_trial::{NextOptions, coarse, new_report, unkept};
+use crate::next_trial::{NextOptions, NextTrials, coarse, new_report, unkept};
 use crate::optimize::DesignSpace;
 use crate::prediction::{MEASURED_STD, Prediction, percent};
 use crate::prepared_task::PreparedTask;
@@ -214,7 +214,7 @@ pub fn choose(task: &DesignTask, options: &NextOptions, division: &Division, bud
 }
 
 /// Report and textures of the sectors.
-type Chosen = Result<(NextReport, Vec<Pattern>), DesignError>;
+type Chosen = Result<NextTrials, DesignError>;
 
 /// Designs of `search` that fit on a sector and are not pending, spread over the bounds.
 fn candidates(search: &Search<'_>, options: &NextOptions, division: &Division) -> Vec<CutTexture> {
@@ -299,7 +299,7 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division, mo
     };
     let distribution = joint([&chosen[0].texture, &chosen[1].texture]);
     let learning = LearningReport::new(&chosen, &distribution, search.asked, why);
-    let next = NextReport {
+    let report = NextReport {
         advice: "learn".to_owned(),
         words: "cut one disc of two sectors to learn which mechanism the model lacks".to_owned(),
         compared: all.len(),
@@ -307,7 +307,8 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division, mo
         learning: Some(learning),
         ..new_report(search, options)
     };
-    Ok((next, chosen.iter().map(|of| of.texture.pattern).collect()))
+    let patterns = chosen.iter().map(|of| of.texture.pattern).collect();
+    Ok(NextTrials { report, advice: None, patterns, sectors: Vec::new() })
 }
 
 /// Message if only one texture lies within the bounds.

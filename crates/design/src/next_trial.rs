@@ -62,6 +62,8 @@ impl NextOptions {
 pub struct NextTrials {
     /// Report on the samples, as written to result.json.
     pub report: NextReport,
+    /// Advice that the report names; `None` for a disc to learn from, which asks no target.
+    pub advice: Option<Advice>,
     /// Patterns of the samples to cut.
     pub patterns: Vec<Pattern>,
     /// Sectors of one specimen; empty if not requested.
@@ -83,7 +85,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let division = (options.one_disc || options.learn).then(|| Division::new(task.specimen, count)).transpose();
     let division = division.map_err(|error| DesignError::refused(error.to_string()))?;
     let budget = TimeBudget::new(monitor, task.search.max_seconds);
-    let (mut report, patterns) = match &division {
+    let mut found = match &division {
         Some(division) if options.learn => learning_disc::choose(task, options, division, budget)?,
         division => {
             let division = division.as_ref();
@@ -92,17 +94,17 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
             })?
         }
     };
-    let sectors = match &division {
-        Some(division) => division.lay(&patterns).map_err(|error| DesignError::refused(error.to_string()))?,
+    found.sectors = match &division {
+        Some(division) => division.lay(&found.patterns).map_err(|error| DesignError::refused(error.to_string()))?,
         None => Vec::new(),
     };
     let learned = prepared.uncertainty.learned.iter().flat_map(|learned| learned.trials());
     let cut: Vec<&str> =
         learned.filter_map(|trial| trial.disc.as_deref()).chain(options.discs.iter().map(String::as_str)).collect();
-    report.one_disc = OneDiscReport::of(new_name(&report.name, task, &cut), &sectors);
+    found.report.one_disc = OneDiscReport::of(new_name(&found.report.name, task, &cut), &found.sectors);
     // The user's samples are numbered after the samples to cut, in the order of the list.
-    report.warnings = laser_warnings(task, patterns.iter().chain(&options.own));
-    Ok(NextTrials { report, patterns, sectors })
+    found.report.warnings = laser_warnings(task, found.patterns.iter().chain(&options.own));
+    Ok(found)
 }
 
 /// Finds a name for a specimen of `design` that is not in `cut`.
@@ -118,7 +120,7 @@ fn choose(
     options: &NextOptions,
     division: Option<&Division>,
     monitor: &dyn Monitor,
-) -> Result<(NextReport, Vec<Pattern>), DesignError> {
+) -> Result<NextTrials, DesignError> {
     let asked = search.asked;
     let found = search.best(&|pattern| options.is_open(pattern, division), options.count);
     monitor.heed()?;
@@ -164,7 +166,7 @@ fn choose(
     };
     let first = best.report(search);
     let is_chosen = |of: &&Prediction| !chosen.iter().any(|own| own.texture.pattern == of.texture.pattern);
-    let next = NextReport {
+    let report = NextReport {
         compared: found.compared,
         advice: advice.name().to_owned(),
         words: advice.words(best.chance(), asked.has_demands(), found.is_within_reach),
@@ -172,9 +174,11 @@ fn choose(
         one_on_target: asked.has_demands().then(|| tidy(together)),
         others: listed.iter().filter(is_chosen).map(|of| of.report(search).beside(&first)).collect(),
         own: own.iter().map(|of| of.report(search)).collect(),
+        cut_short: search.stage.cancelled().then(|| "search".to_owned()).into_iter().collect(),
         ..new_report(search, options)
     };
-    Ok((next, chosen.iter().map(|of| of.texture.pattern).collect()))
+    let patterns = chosen.iter().map(|of| of.texture.pattern).collect();
+    Ok(NextTrials { report, advice: Some(advice), patterns, sectors: Vec::new() })
 }
 
 /// Creates the report on the task of `search` without samples and advice.
@@ -187,7 +191,6 @@ pub fn new_report(search: &Search<'_>, options: &NextOptions) -> NextReport {
         name: task.name.clone(),
         trials: asked.learned.trials().len(),
         pending: options.pending.len(),
-        cut_short: (search.stage.cancelled() && !options.learn).then(|| "search".to_owned()).into_iter().collect(),
         beyond_measured: task.beyond_measured(&prepared.material, &prepared.outside),
         material: prepared.material.provenance.clone(),
         specimen: (&task.specimen).into(),

@@ -63,5 +63,5 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         drawn.map_err(|error| design.refuse_whole(error.to_string()))?;
     }
     console.report(args.json, report, || report.text())?;
-    Ok(exit_code::of_advice(&report.advice, !report.cut_short.is_empty()))
+    Ok(exit_code::of_advice(found.advice.as_ref(), !report.cut_short.is_empty()))
 }

@@ -83,7 +83,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         let calibration = design.calibration.as_deref();
         console.answer(&places::written(&args.again(false), calibration, &folder, &found.advice))?;
     }
-    Ok(exit_code::of_advice(&report.advice, !report.cut_short.is_empty()))
+    Ok(exit_code::of_advice(Some(&found.advice), !report.cut_short.is_empty()))
 }
 
 /// Converts the `error` of a search for `design` to an error of the command, with the position in the design or study
