@@ -275,11 +275,9 @@ impl SceneInput {
         let pressures_pa: Vec<f64> = scene.loads.iter().map(|load| load.pressure_pa).collect();
         let excess = self.uncertainty.excess(&pressures_pa, condition);
         correct(&mut simulation, scene, excess.as_deref());
-        let laid = scene.pattern.as_ref().zip(self.specimen.as_ref());
-        let share = laid.and_then(|(pattern, specimen)| {
-            Some(Laid::new(Some(specimen), pattern, scene.dimension()).ok()?.share(pattern))
-        });
-        let errors = of_scene(scene, &self.uncertainty, condition, (&simulation, share.unwrap_or(1.0)))?;
+        let share = |pattern| Some(Laid::new(self.specimen.as_ref(), pattern, scene.dimension()).ok()?.share(pattern));
+        let face_share = scene.pattern.as_ref().and_then(share).unwrap_or(1.0);
+        let errors = of_scene(scene, &self.uncertainty, condition, (&simulation, face_share))?;
         let (provenance, outside) = (&self.material.provenance, &self.friction_extrapolated);
         let report = SimulationReport::new(scene, provenance, outside, &simulation, errors);
         Ok((simulation, report))

@@ -140,7 +140,7 @@ fn limited_by(page: &mut Page, report: &DesignReport) {
     }
     page.table(
         &format!(
-            "What limits the prediction, by the chance without it, then by the standard deviation of the ratio that it alone gives; shown at {} MPa.",
+            "What limits the prediction, in the order of the chance without it: the standard deviation of the ratio that it alone gives at {} MPa.",
             plain(report.target.pressure_mpa.get(last).copied())
         ),
         &table.table(),
