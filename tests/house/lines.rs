@@ -11,7 +11,7 @@ const LIMITS: [(&str, usize); 15] = [
     ("traces", 3_150),
     ("laser", 4_550),
     ("infer", 5_800),
-    ("design", 6_730),
+    ("design", 6_745),
     ("io", 9_410),
     ("report", 7_100),
     ("validate", 2_800),

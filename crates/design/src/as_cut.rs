@@ -60,7 +60,7 @@ impl CutTexture {
     /// Builds a texture from the table, with errors of dimensions alone.
     pub fn interpolated(pattern: Pattern, modelled: Modelled, dimension_shifts: Vec<DimensionShift>) -> Self {
         Self {
-            features: Features { face_share: modelled.face_share, ..Features::from(&pattern) },
+            features: Features::on_face(&pattern, modelled.face_share),
             pattern,
             known: Known::Interpolated,
             ratio: modelled.log_ratio.iter().map(|log| log.exp()).collect(),

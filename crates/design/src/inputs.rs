@@ -306,7 +306,7 @@ pub fn of_dimensions(tolerances: &Tolerances) -> Vec<(&'static str, [f64; DIMENS
 pub fn shift(design: &Pattern, laid: &Laid, by_m: &[f64; DIMENSIONS], log_ratio: Vec<f64>) -> DimensionShift {
     let [above, below] = [1.0, -1.0].map(|side| {
         let made = made(design, by_m, side);
-        Features { face_share: laid.share(&made), ..Features::from(&made) }
+        Features::on_face(&made, laid.share(&made))
     });
     DimensionShift { log_ratio, above, below: Some(below) }
 }

@@ -4,6 +4,7 @@ use crate::results::VERSION;
 use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::{counted, tidy};
+use slipgrid_infer::calibrate::CutSample;
 use slipgrid_infer::discrepancy::{Features, Scenarios};
 use slipgrid_laser::export::{Division, MIN_PERIODS, Outline, Sector};
 use slipgrid_model::pattern::Pattern;
@@ -49,6 +50,13 @@ pub struct NextOptions {
 }
 
 impl NextOptions {
+    /// Options for what the trials of a calibration say, `samples`: which are pending, and which discs were cut.
+    pub fn of_samples(samples: &[CutSample]) -> Self {
+        let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
+        let discs = samples.iter().filter_map(|cut| cut.disc.clone()).collect();
+        Self { pending, discs, ..Self::default() }
+    }
+
     /// Whether `pattern` is not pending and, if `division` is given, fits on its sectors.
     pub fn is_open(&self, pattern: &Pattern, division: Option<&Division>) -> bool {
         let own = Features::from(pattern);
@@ -138,7 +146,7 @@ fn choose(
     }
     if division.is_some() && found.solved.len() < options.count {
         let designs = counted(found.solved.len(), "design");
-        let reason = format!("for {} sectors only {designs} that fit on one were found", options.count);
+        let reason = format!("only {designs} fit on one of {} sectors", options.count);
         return Err(nothing_to_cut(reason));
     }
     let own = |pattern: &Pattern| {

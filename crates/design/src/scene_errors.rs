@@ -183,7 +183,7 @@ pub fn of_scene(
     let by_law = law.map_or_else(|| vec![0.0; ratios.len()], |law| local_law_changes(scene, pattern, &law, on_face));
     let sensitivity = of_modulus.into_iter().zip(by_law).map(|(modulus, local_law)| Sensitivity { modulus, local_law });
     let sensitivity: Vec<Sensitivity> = sensitivity.collect();
-    let features = Features { face_share, ..Features::from(pattern) };
+    let features = Features::on_face(pattern, face_share);
     let corrected = |shares: &[Vec<f64>], flat_friction: Option<Vec<f64>>| {
         let predictor = learned.of_friction_at(&places, shares);
         let factors = DiscrepancyAt::each(&predictor.predict(&features, &sensitivity));

@@ -21,6 +21,7 @@ use crate::DesignError;
 use crate::as_cut::{BeyondCells, CutTexture, Known};
 use crate::band::Asked;
 use crate::evaluation_cache::Answer;
+use crate::explorer::BOUND_ROUNDING;
 use crate::inputs::Inputs;
 use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
@@ -203,7 +204,7 @@ impl Search<'_> {
             [made, &found.texture.pattern].map(|pattern| model.ratios_made(pattern, &laid).ok());
         let by: Vec<f64> = made_ratio?.iter().zip(designed?).map(|(made, designed)| (made / designed).ln()).collect();
         let designed = &found.texture.features;
-        let features = Features { face_share: laid.share(made), ..made.into() };
+        let features = Features::on_face(made, laid.share(made));
         let shifts = found.texture.dimension_shifts.iter().map(|shift| shift.about(designed, &features));
         let texture = CutTexture { features, dimension_shifts: shifts.collect(), ..found.texture.clone() };
         Some(self.predicted(texture.moved(&by)))
@@ -329,7 +330,7 @@ impl Search<'_> {
     /// Error that no texture was found: the time limit ended, or none within the bounds can be computed.
     pub fn nothing_found(&self) -> DesignError {
         if self.stage.cancelled() {
-            return DesignError::OutOfTime("the seconds allowed were spent before a design was found".to_owned());
+            return DesignError::OutOfTime("max_seconds was spent before a design was found".to_owned());
         }
         self.models.own.nothing_computed(&self.task.space)
     }
@@ -353,7 +354,7 @@ impl Search<'_> {
 
     fn is_within_bounds(&self, pattern: &Pattern) -> bool {
         let mut bounds = self.task.space.lengths_m().into_iter().zip(pattern.lengths_m());
-        bounds.all(|([low, high], own)| low * (1.0 - 1e-9) <= own && own <= high * (1.0 + 1e-9))
+        bounds.all(|([low, high], own)| (low * (1.0 - BOUND_ROUNDING)..=high * (1.0 + BOUND_ROUNDING)).contains(&own))
     }
 
     /// Whether `pattern` lies within the bounds and, by the table, keeps all limits.

@@ -20,7 +20,7 @@ use crate::time_budget::{SEARCH_SHARE, TimeBudget};
 use crate::timings::Timings;
 
 /// Message if the time limit ended before the table was complete.
-const NO_TABLE: &str = "the seconds allowed were spent before the designs within the bounds were known";
+const NO_TABLE: &str = "max_seconds was spent before the designs within the bounds were tabulated";
 
 /// Tabulates the model over the bounds of `prepared` and calls `then` with the search. With `division`, samples are
 /// sectors of one specimen. `cache`, if given, stores the results of the model.

@@ -226,8 +226,8 @@ impl Table {
         values.iter().all(|log| log.is_finite()).then_some(values)
     }
 
-    /// Interpolates all outputs of the infinite pattern, ln R at each load and [`BESIDE`] others, at the lengths of `design`; `None` next to a
-    /// node that the model cannot compute.
+    /// Interpolates all outputs of the infinite pattern, ln R at each load and [`BESIDE`] others, at the lengths of
+    /// `design`; `None` next to a node that the model cannot compute.
     fn values(&self, design: &Pattern) -> Option<Vec<f64>> {
         let lengths_m = design.lengths_m();
         (!self.surface.is_beside(&self.holes, &lengths_m)).then(|| self.surface.at(&lengths_m))

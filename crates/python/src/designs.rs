@@ -288,9 +288,7 @@ impl Design {
             let (read, calibration) = self.completed(watch)?;
             let mut warnings = self.told(&read, calibration.as_ref());
             let samples = calibration.map_or_else(Vec::new, |calibration| calibration.stated.trials.samples);
-            let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
-            let discs = samples.iter().filter_map(|cut| cut.disc.clone()).collect();
-            let options = NextOptions { count, pending, own, one_disc, learn, discs };
+            let options = NextOptions { count, own, one_disc, learn, ..NextOptions::of_samples(&samples) };
             let found = next_trials(&read.task, &options, watch).map_err(|error| undesigned(error, &self.read))?;
             warnings.extend(found.report.doubts());
             Ok::<_, Failure>((found.report, warnings))

@@ -14,7 +14,8 @@ use clap::Args;
     slipgrid next designs/ldpe-lower-friction.toml --learn -o out/learn\n  \
     slipgrid export out/next --sample 2 --format plt -o out/next/next-2\n\n\
     Compares about 3,000 designs within the bounds by the chance that a cut sample is on target, by the table of the model and what \
-    the trials of the calibration say that it lacks, and goes on from the best of them by the model itself, for grooves in time. Several samples are chosen to complement each other \
+    the trials of the calibration say that it lacks, and goes on from the best of them by the model itself, for grooves in \
+    time. Several samples are chosen to complement each other \
     and those that are pending. A [[trial]] without measurements is pending. Exit codes as of optimize: 3 no sample is worth \
     cutting, 4 seconds spent.\n\n\
     --one-disc serves where each sector is measured alone: with a pin or a counter-body that fits on it, or by friction \
@@ -30,7 +31,7 @@ pub struct NextArgs {
     /// Number of samples to cut at once
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
     pub count: u8,
-    /// Cut the samples as sectors of one disc: write their files, and trials.toml to fill in
+    /// Cut the samples as sectors of one disc: write their files, and trials.toml, whose lines go into the calibration
     #[arg(long)]
     pub one_disc: bool,
     /// Cut the one disc of two sectors that teaches most about which mechanism the model lacks
@@ -43,7 +44,7 @@ pub struct NextArgs {
     #[arg(long)]
     pub json: bool,
     /// Folder for result.json, and for next-1, next-2, ... with the files for the laser. Without it nothing is written,
-    /// but for --one-disc and --learn out/NAME-disc
+    /// but for --one-disc out/NAME-disc and for --learn out/NAME-learn
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }

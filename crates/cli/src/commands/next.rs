@@ -34,16 +34,16 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let mut design = Design::read(&disk(), &args.design)?;
     console.warn(&design.told);
     let is_disc = args.one_disc || args.learn;
-    let output = args.output.clone().or_else(|| is_disc.then(|| places::default_folder(&args.design, "-disc")));
+    // A disc to learn from does not replace one to cut for the target.
+    let suffix = if args.learn { "-learn" } else { "-disc" };
+    let output = args.output.clone().or_else(|| is_disc.then(|| places::default_folder(&args.design, suffix)));
     let folder = open(output.as_ref(), if is_disc { &FILES_OF_DISC } else { &FILES }, &design.inputs)?;
     let own = args.candidate.iter().map(|text| design.candidate(text)).collect::<Result<_, _>>()?;
     let calibration = complete(&mut design, console)?;
     let samples = calibration.map_or_else(Vec::new, |calibration| calibration.stated.trials.samples);
-    let discs = samples.iter().filter_map(|cut| cut.disc.clone()).collect();
-    let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
     let (count, one_disc, learn) = (args.count.into(), args.one_disc, args.learn);
     design.task.search.take_seconds(started.elapsed().as_secs_f64());
-    let options = NextOptions { count, pending, own, one_disc, learn, discs };
+    let options = NextOptions { count, own, one_disc, learn, ..NextOptions::of_samples(&samples) };
     let found =
         next_trials(&design.task, &options, &Job::new(console)).map_err(|error| refused(error, &design, None))?;
     let report = &found.report;

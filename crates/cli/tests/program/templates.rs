@@ -98,7 +98,10 @@ fn the_trial_of_the_template_is_read() {
     let stray = place.read("calibration/calibration.toml").replace("[trial.pattern]", "[pattern]");
     place.write("calibration/calibration.toml", stray);
     let refused = place.refuse("calibrate calibration/calibration.toml");
-    assert!(refused.contains("trial.pattern: is missing; expected [trial.pattern], as [pattern] in line"), "{refused}");
+    assert!(
+        refused.contains("trial.pattern: is missing; expected [trial.pattern] in place of [pattern] in line"),
+        "{refused}"
+    );
 }
 
 #[test]

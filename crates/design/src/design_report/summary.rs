@@ -308,7 +308,11 @@ fn first_and_last(all: &[Expected]) -> impl Iterator<Item = &Expected> {
 pub fn samples_table<'a>(samples: impl Iterator<Item = (String, &'a SampleReport)>) -> Table {
     let samples: Vec<_> = samples.collect();
     let loads = samples.first().map_or(&[][..], |(_, sample)| &sample.expected);
-    let at = |load: &Expected| format!("at {} MPa", load.pressure_mpa);
+    let has_several = |load: &Expected| loads.iter().any(|other| !other.is_at_condition_of(load));
+    let at = |load: &Expected| {
+        let at = format!("at {} MPa", load.pressure_mpa);
+        if has_several(load) { format!("{at}, {}", load.condition_in_words()) } else { at }
+    };
     let headings = first_and_last(loads).map(at).enumerate();
     let headings: Vec<String> = headings.map(|(place, at)| if place == 0 { at + " (95 %)" } else { at }).collect();
     let has_times = samples.iter().any(|(_, sample)| sample.laser_s.is_some());

@@ -33,7 +33,7 @@ fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
         let own = search.models.at(&made).unwrap().sensitivity.into_iter().zip(designed_for);
         let own: Vec<Sensitivity> =
             own.map(|(made, designed)| Sensitivity { modulus: designed.modulus, ..made }).collect();
-        let features = Features { face_share: laid.share(&made), ..Features::from(&made) };
+        let features = Features::on_face(&made, laid.share(&made));
         let lacking = search.predictor.predict(&features, &own);
         let which = normals.draw();
         let mut deviates = || -> Vec<f64> { (0..n).map(|_| normals.draw()).collect() };
@@ -186,7 +186,7 @@ fn a_slope_follows_what_is_lacking_to_both_sides() {
                     let made = pattern(beside_m);
                     // As many cavities as the design, whose share of the face those of a design beside it may miss.
                     let mut own = search.solved(&made).unwrap().texture;
-                    let features = Features { face_share: laid.share(&made), ..own.features };
+                    let features = Features::on_face(&made, laid.share(&made));
                     let shifts = own.dimension_shifts.iter().map(|shift| shift.about(&own.features, &features));
                     (own.dimension_shifts, own.features) = (shifts.collect(), features);
                     let own = Prediction::new(own, &search.predictor, search.asked);

@@ -34,6 +34,11 @@ impl From<&Pattern> for Features {
 }
 
 impl Features {
+    /// Features of `pattern` on a face of which cavities take `face_share` times the share of a period.
+    pub fn on_face(pattern: &Pattern, face_share: f64) -> Self {
+        Self { face_share, ..Self::from(pattern) }
+    }
+
     /// Natural logarithms of width, pitch and depth in metres.
     pub(crate) fn logarithms(&self) -> [f64; 3] {
         [self.width_m, self.pitch_m, self.depth_m].map(libm::log)

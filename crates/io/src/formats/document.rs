@@ -186,7 +186,7 @@ impl Document {
         let stray = outer.as_ref().and_then(|outer| {
             let line = self.line(DeTable::parse(&self.text).ok()?.get_ref().get_key_value(key)?.0.span().start);
             let is_below = line > self.line(table.start);
-            is_below.then(|| format!("[{outer}.{key}], as [{key}] in line {line} may mean"))
+            is_below.then(|| format!("[{outer}.{key}] in place of [{key}] in line {line}"))
         });
         Diagnostic {
             line: Some(self.line(table.start)),

@@ -128,12 +128,6 @@ pub(crate) fn area_m2(outline: &Outline) -> f64 {
     }
 }
 
-/// Greatest extent of a face, in metres.
-pub(crate) fn extent_m(outline: &Outline) -> f64 {
-    let [x_m, y_m] = outline.extents_m();
-    x_m.max(y_m)
-}
-
 /// Diagnostic for an unusual size of the specimen, `None` for a usual one; refuses an impossible size.
 pub(crate) fn outline_told(
     document: &Document,
@@ -143,7 +137,8 @@ pub(crate) fn outline_told(
     let file = table.get_ref();
     let lengths = [&file.radius_mm, &file.diameter_mm, &file.length_mm, &file.outer_diameter_mm];
     let place = lengths.into_iter().flatten().next().map_or(table.span(), Spanned::span);
-    SPECIMEN.check(LENGTH_MM.from_si(extent_m(outline)), || document.refuse(place, ""))
+    let [x_m, y_m] = outline.extents_m();
+    SPECIMEN.check(LENGTH_MM.from_si(x_m.max(y_m)), || document.refuse(place, ""))
 }
 
 /// Maximum number of specimens in a holder.

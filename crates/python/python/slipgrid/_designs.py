@@ -88,7 +88,9 @@ class Prediction:
         return _plots.prediction(self, ax)
 
     def __repr__(self) -> str:
-        return f"<Prediction of {self.quantity}: {self.chance.size} textures at {self.pressure_mpa.size} pressures>"
+        counts = [(self.chance.size, "texture"), (self.pressure_mpa.size, "pressure")]
+        textures, pressures = (f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in counts)
+        return f"<Prediction of {self.quantity}: {textures} at {pressures}>"
 
     def _repr_html_(self) -> str:
         names = ["width_um", "spacing_um", "depth_um", "pressure_mpa", "median", "low_95", "high_95", "chance"]
@@ -246,7 +248,17 @@ class Design:
             Whether the samples are sectors of one disc, each of which is measured alone.
         learn
             Whether to choose the disc of two sectors that teaches most about which mechanism the model lacks, in place of ``count``
-            samples that are likely on target.
+            samples that are likely on target. Drawings of either disc and its ``trials.toml`` are written by the command line,
+            ``slipgrid next --one-disc`` or ``--learn``.
+
+        Raises
+        ------
+        ValueError
+            If ``count`` is not accepted, or if ``learn`` stands beside it, ``candidates_um`` or ``one_disc``.
+        TimeoutError
+            If ``max_seconds`` of the design was spent before a texture was found.
+        slipgrid.errors.ComputationError
+            If no textures that keep all limits fit on the sectors of one disc.
         """
         own = triples("candidates_um", candidates_um)
         return NextSamples(*self._design.next_samples(count, own, progress, one_disc, learn))

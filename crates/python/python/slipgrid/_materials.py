@@ -260,7 +260,7 @@ class Material:
         width_um, spacing_um, depth_um
             Lengths of cavities in micrometres, of any shapes that broadcast.
         pressure_mpa
-            Nominal pressures in MPa, shape (pressures,).
+            Nominal pressures in MPa, shape (pressures,); one number is taken as one of them.
         band
             Lowest and highest accepted ratio, the same at all pressures; ``None`` where there is no end.
         progress

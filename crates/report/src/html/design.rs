@@ -140,7 +140,7 @@ fn limited_by(page: &mut Page, report: &DesignReport) {
     }
     page.table(
         &format!(
-            "What limits the prediction, in the order of the chance without it: the standard deviation of the ratio that it alone gives at {} MPa.",
+            "What limits the prediction: the standard deviation of the ratio that each input alone gives at {} MPa, in the order of the chance without the input.",
             plain(report.target.pressure_mpa.get(last).copied())
         ),
         &table.table(),

@@ -90,8 +90,11 @@ fn expected_words(report: &DesignReport) -> Option<String> {
     // Where a trial meets the target, the page shows another texture.
     let sample =
         if report.advice == "trial_meets_it" { "a sample of the texture on this page" } else { "a cut sample" };
+    let is_elsewhere = |other: &Expected| !other.is_at_condition_of(at);
+    let has_several = report.sample.expected.iter().any(is_elsewhere);
+    let condition = if has_several { format!(", {},", at.condition_in_words()) } else { String::new() };
     Some(format!(
-        "At {} MPa {sample} is expected to have {quantity} {} (95 % of samples: {}).{asked}{limit}",
+        "At {} MPa{condition} {sample} is expected to have {quantity} {} (95 % of samples: {}).{asked}{limit}",
         plain(at.pressure_mpa),
         number(at.median, 3),
         believed_interval([at.low_95, at.high_95]),
@@ -184,7 +187,7 @@ fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>)
         page.subheading("What limits it");
         page.add(&html! {
             div class="bars" {
-                p { "One standard deviation of the ratio at " (at) " MPa" (accepted) "." }
+                p { "One standard deviation of the ratio at " (at) " MPa" (accepted) ", in the order of the chance without the input." }
                 @for limit in shown {
                     div class="input" {
                         span {
