@@ -87,23 +87,23 @@ impl<'a> Emulator<'a> {
 fn solve_ends(problem: &Problem, loads: &[AtLoad], log_scale: f64) -> Result<Vec<[f64; 3]>, FitError> {
     let solved = Problem { area_law: problem.law_at(log_scale.exp())?, ..problem.clone() };
     let law = solved.area_law.as_ref();
-    let all: Vec<usize> = (0..loads.len()).collect();
-    let at_node = |node: usize| -> Result<Vec<f64>, FitError> {
-        let pair = |load: &AtLoad| LocalFriction::new(load.nodes[node], load.nodes[node], problem.relative_std);
-        let pairs = loads.iter().map(pair).collect::<Result<_, _>>()?;
-        // An error names the first measurement at the load.
-        let found = flat_sample::steady(&solved, &pairs, &all).map_err(|error| match error {
-            FitError::NoSliding { number, pressure_pa, status } => {
-                FitError::NoSliding { number: loads[number - 1].first + 1, pressure_pa, status }
-            }
-            error => error,
-        })?;
-        let end =
-            |(place, (mu, load)): (usize, (&f64, &AtLoad))| mu / (load.nodes[node] * factor_at(law, &solved, place));
-        Ok(found.iter().zip(loads).enumerate().map(end).collect())
-    };
-    let ends = [at_node(0)?, at_node(1)?, at_node(2)?];
-    Ok((0..loads.len()).map(|place| [0, 1, 2].map(|node| ends[node][place])).collect())
+    // All nodes of all loads at once: their equations are the same.
+    let nodes: Vec<(&AtLoad, f64)> = loads.iter().flat_map(|load| load.nodes.map(|node| (load, node))).collect();
+    let pair = |(_, node): &(&AtLoad, f64)| LocalFriction::new(*node, *node, problem.relative_std);
+    let pairs = nodes.iter().map(pair).collect::<Result<_, _>>()?;
+    let measurements = solved.measurements.iter().flat_map(|measured| [*measured; 3]).collect();
+    let solved = Problem { measurements, ..solved.clone() };
+    let all: Vec<usize> = (0..nodes.len()).collect();
+    // An error names the first measurement at the load.
+    let found = flat_sample::steady(&solved, &pairs, &all).map_err(|error| match error {
+        FitError::NoSliding { number, pressure_pa, status } => {
+            FitError::NoSliding { number: nodes[number - 1].0.first + 1, pressure_pa, status }
+        }
+        error => error,
+    })?;
+    let end = |(place, (mu, (_, node))): (usize, (&f64, &(&AtLoad, f64)))| mu / (node * factor_at(law, &solved, place));
+    let ends: Vec<f64> = found.iter().zip(&nodes).enumerate().map(end).collect();
+    Ok(ends.as_chunks().0.to_vec())
 }
 
 /// Loads of `problem`, each with nodes around its `dynamic_means`, and the index of the load of each measurement.

@@ -25,7 +25,7 @@ use slipgrid_base::monitor::cached;
 
 use crate::springblock::cell::{cell_condensing_cost, raised_model};
 use crate::springblock::dynamics::{Plan, Scheme};
-use crate::springblock::steady::{FaceHistory, RaisedModel, ThickModel, factor_bytes};
+use crate::springblock::steady::{BATCH, FaceHistory, RaisedModel, ThickModel, factor_bytes};
 use crate::springblock::{
     Column, Dimension, Extent, Fidelity, Lattice, Layer, Load, LoadOutcome, Monitor, RunOptions, Scene, SceneError,
     Simulation, Statements, Status, SteadyCell, SteadyLoad, SteadyModel, Strip, SurfaceOutcome, columns, draws,
@@ -248,11 +248,21 @@ impl Steady {
         }
     }
 
-    fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {
+    /// Solves steady sliding on `columns` columns under each load of `scene`.
+    fn solve_all(&self, scene: &Scene, columns: usize) -> Vec<SurfaceOutcome> {
+        let drawn: Vec<Vec<f64>> = scene.loads.iter().map(|load| steady_coefficients(scene, load, columns)).collect();
+        let area_law = scene.area_law.as_ref();
+        let loads = scene.loads.iter().zip(&drawn);
+        let loads = loads.map(|(load, dynamic_mu)| SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu, area_law });
+        let loads: Vec<SteadyLoad> = loads.collect();
         match self {
-            Self::Blocks(model) => model.solve(load),
-            Self::Thick(model) => model.solve(load),
-            Self::Raised(model) => model.solve(load, &mut FaceHistory::default()),
+            Self::Blocks(model) => loads.par_chunks(BATCH).flat_map_iter(|loads| model.solve_all(loads)).collect(),
+            Self::Thick(model) => loads.par_iter().map(|load| model.solve(load)).collect(),
+            // Points that one load has flattened remain flat for the next load, so loads are solved in sequence.
+            Self::Raised(model) => {
+                let mut history = FaceHistory::default();
+                loads.iter().map(|load| model.solve(load, &mut history)).collect()
+            }
         }
     }
 }
@@ -273,33 +283,11 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
     };
     let (columns, is_plain, flat_columns) = (own.nx(), own.is_plain(), flat.as_ref().map_or(0, Vec::len));
     let (own, flat) = rayon::join(|| Steady::new(scene, own), || flat.map(|c| Steady::new(scene, lattice(scene, c))));
-    let share = 1.0 / scene.loads.len() as f64;
-    let solve = |load: &Load, columns: usize, by: &mut dyn FnMut(&SteadyLoad) -> SurfaceOutcome| {
-        let dynamic_mu = steady_coefficients(scene, load, columns);
-        let area_law = scene.area_law.as_ref();
-        by(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law })
-    };
-    // Points that one load has flattened remain flat for the next load, so loads are solved in sequence.
-    let in_turn: Option<Vec<SurfaceOutcome>> = match &own {
-        Steady::Raised(model) => {
-            let mut history = FaceHistory::default();
-            let mut by = |load: &SteadyLoad| model.solve(load, &mut history);
-            Some(scene.loads.iter().map(|load| solve(load, columns, &mut by)).collect())
-        }
-        Steady::Blocks(_) | Steady::Thick(_) => None,
-    };
-    let loads = scene
-        .loads
-        .par_iter()
-        .enumerate()
-        .map(|(number, load)| {
-            let alone = |model: &Steady, columns| solve(load, columns, &mut |load| model.solve(load));
-            let surface = in_turn.as_ref().map_or_else(|| alone(&own, columns), |all| all[number].clone());
-            let outcome = compare(load, surface, flat.as_ref().map(|flat| alone(flat, flat_columns)));
-            monitor.advance(share);
-            outcome
-        })
-        .collect();
+    let flat = flat.map(|flat| flat.solve_all(scene, flat_columns));
+    let own = own.solve_all(scene, columns).into_iter().enumerate();
+    let flat = |number: usize| flat.as_ref().map(|all| all[number].clone());
+    let loads = own.map(|(number, own)| compare(&scene.loads[number], own, flat(number))).collect();
+    monitor.advance(1.0);
     let mut statements = Statements::default();
     statements.model(describe_steady(scene));
     describe_extent(scene, &mut statements);

@@ -38,7 +38,7 @@ use crate::springblock::outcome::peak_over_whole_blocks;
 use crate::springblock::rims::PLANE_STRAIN;
 use crate::springblock::{InterfacePoint, Lattice, Scene, Status, SurfaceOutcome};
 use anderson::Anderson;
-pub use band::{BandFactor, BandMatrix};
+pub use band::{BATCH, BandFactor, BandMatrix};
 pub use condensed::{CondensedModel, condensing_cost};
 pub use raised::{FaceHistory, RaisedModel};
 use system::{Contact, Raised, System};
