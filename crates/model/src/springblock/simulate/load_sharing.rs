@@ -26,10 +26,12 @@ pub mod body;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::material::LocalFriction;
 use crate::pattern::{Pattern, Planform};
 use rayon::prelude::*;
 
 use super::specimen::without_slivers;
+use crate::springblock::steady::CondensedModel;
 use crate::springblock::{
     CellOutcome, Dimension, Face, Lattice, Load, Monitor, Scene, SteadyCell, SteadyModel, Strip, columns,
 };
@@ -149,8 +151,12 @@ fn compliance_m(pattern: &Pattern, block_m: f64, rows: usize) -> Option<f64> {
     if pattern.depth_m() >= height_m - block_m {
         return None;
     }
-    let stiffness =
-        |columns| SteadyModel::new(Lattice::new(columns, rows, true), block_m, 1.0, false).stiffness_per_length();
+    let stiffness = |columns| {
+        let lattice = Lattice::new(columns, rows, true);
+        let condensed = CondensedModel::new(&lattice, block_m, 1.0, false);
+        let of_blocks = || SteadyModel::new(lattice, block_m, 1.0, false).stiffness_per_length();
+        condensed.map_or_else(of_blocks, |model| model.stiffness_per_length())
+    };
     let solid_over_own = stiffness(columns::flat(super::UNIFORM_COLUMNS)) / stiffness(columns::cell(pattern, block_m));
     // A solid without strain along the face: E / k = (1 - nu^2) H
     let compliance_m = 8.0 / 9.0 * height_m * (solid_over_own - 1.0);
@@ -285,6 +291,13 @@ fn parts_friction(
     (0..scene.loads.len()).map(|place| friction.force(place, parts.iter().copied())).collect()
 }
 
+/// `load` with the nearest power of sqrt(2) as its coefficient. Friction is nearly proportional to the coefficient, so
+/// that loads at one pressure with similar coefficients share their cells (`shared_cells_give_the_change_of_each_load`).
+fn at_reference(load: &Load) -> Load {
+    let mu = libm::exp2(0.5 * (2.0 * libm::log2(load.friction.dynamic_mean())).round());
+    Load { friction: LocalFriction::new(mu, mu, 0.0).unwrap_or(load.friction), ..*load }
+}
+
 /// Friction coefficient of cells of one pattern, or of solid parts, as a function of pressure.
 pub struct CellFriction<'a> {
     loads: &'a [Load],
@@ -311,12 +324,18 @@ impl<'a> CellFriction<'a> {
         let (least, most) = range.fold((f64::INFINITY, 0.0_f64), |(least, most), at| (least.min(at), most.max(at)));
         let steps = ((most - least) / PRESSURE_STEP).ceil() as usize;
         let step = (most - least) / steps.max(1) as f64;
+        let mut different: Vec<Load> = Vec::new();
+        for load in scene.loads.iter().map(at_reference) {
+            if !different.contains(&load) {
+                different.push(load);
+            }
+        }
         let at_pressures = |load: &Load| -> Vec<Load> {
             let at = |number: usize| Load { pressure_pa: load.pressure_pa * (least + step * number as f64), ..*load };
             (0..=steps).map(at).collect()
         };
-        let loads: Vec<Load> = scene.loads.iter().flat_map(at_pressures).collect();
-        let mu: Vec<Option<f64>> = if let Some((pattern, dimension)) = cell {
+        let loads: Vec<Load> = different.iter().flat_map(at_pressures).collect();
+        let solved: Vec<Option<f64>> = if let Some((pattern, dimension)) = cell {
             let cell = SteadyCell::with_dimension(&Scene { loads: loads.clone(), ..scene.clone() }, dimension);
             let outcomes = cell.solve_heeding(pattern, monitor);
             // A part without pressure has no friction.
@@ -327,6 +346,13 @@ impl<'a> CellFriction<'a> {
         } else {
             loads.iter().map(|load| Some(load.flat_mu(scene.area_law.as_ref()))).collect()
         };
+        let scaled = |load: &Load| {
+            let own = at_reference(load);
+            let times = load.friction.dynamic_mean() / own.friction.dynamic_mean();
+            let found = different.iter().zip(solved.chunks_exact(steps + 1)).find(|(other, _)| **other == own);
+            found.into_iter().flat_map(move |(_, mu)| mu.iter().map(move |mu| Some((*mu)? * times)))
+        };
+        let mu = scene.loads.iter().flat_map(scaled).collect();
         Self { loads: &scene.loads, least, step, steps, mu }
     }
 

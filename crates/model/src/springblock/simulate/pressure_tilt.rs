@@ -414,6 +414,28 @@ mod tests {
         );
     }
 
+    /// Where the reference coefficient changes, the change of the ratio jumps by the errors of both references, which
+    /// are the largest ones.
+    #[test]
+    fn shared_cells_give_the_change_of_each_load() {
+        let run = RunOptions { extent: Extent::Sample, ..RunOptions::default() };
+        for pattern in [samples::groove(100.0, 300.0, 20.0), samples::groove(200.0, 200.0, 40.0)] {
+            let scene = samples::scene(pattern, &[0.65, 2.6], run);
+            let layer = Layer { thickness_m: Some(7e-3), ..scene.layer };
+            let at = |mu: f64| {
+                let friction = crate::material::LocalFriction::new(mu, mu, 0.0).unwrap();
+                let loads = scene.loads.iter().map(|load| Load { friction, ..*load }).collect();
+                let scene = Scene { loads, layer, ..scene.clone() };
+                PressureTilt::for_sample(&scene, &pattern, &Unwatched).changes
+            };
+            // sqrt(2)^-3.5 = 0.29730: cells at 0.25 below and at 0.354 above
+            for (below, above) in at(0.2973).into_iter().zip(at(0.29731)) {
+                let [below, above] = [below, above].map(Option::unwrap);
+                assert!((above / below - 1.0).abs() < 0.1 * RELATIVE_ERROR, "{below} {above}");
+            }
+        }
+    }
+
     #[test]
     fn half_of_it_is_added_and_the_error_is_that_of_a_share_that_nobody_knows() {
         // Fractions from 0 to 1 of a change with the relative error RELATIVE_ERROR.

@@ -42,6 +42,9 @@ struct CondensedCell {
     /// Affine map from the inputs to the unknowns: for each unknown, the coefficients of the inputs and a constant.
     /// Inputs are the friction forces T by contact and, on a face with heights, the heights of the contacts.
     unknowns: Vec<f64>,
+    /// Descent of the bulk without friction, in units of P l^2 / k with the nominal pressure P, lattice spacing l and
+    /// spring stiffness k.
+    descent: f64,
 }
 
 /// The lowest block of a column in a cavity.
@@ -135,6 +138,12 @@ impl CondensedModel {
     pub(super) fn with_raised_face(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
         let cell = Arc::new(Equations::for_lattice(lattice, &[], true)?.condense(lattice)?);
         Some(Self { block_m, youngs_modulus_pa, liftoff: true, cell })
+    }
+
+    /// Vertical stiffness of the layer without friction, in units of the spring stiffness k, divided by the length of
+    /// the lattice in lattice spacings.
+    pub fn stiffness_per_length(&self) -> f64 {
+        1.0 / self.cell.descent
     }
 
     /// Normal forces as a function of friction forces and face heights.

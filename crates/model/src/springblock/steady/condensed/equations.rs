@@ -12,6 +12,9 @@ use crate::springblock::lattice::Bond;
 /// Typical number of evaluations of the normal forces for a few loads, for the estimate of operations.
 const EVALUATIONS: f64 = 40.0;
 
+/// Compression of one row under uniform pressure, in units of P l^2 / k: P l^2 on a column of width w compresses a row
+/// by w / (3 w / 2).
+const ROW_DESCENT: f64 = 2.0 / 3.0;
 /// Index value that means that there is no index.
 const NONE: usize = usize::MAX;
 
@@ -191,8 +194,8 @@ impl Equations {
             }
         } else {
             self.gather(layer, field, column, row);
-            // u_0: under P l^2 on a column of width w, one row is compressed by w / (3 w / 2).
-            row[last] = if field % 2 == 1 { -((field / 2) as f64) * 2.0 / 3.0 } else { 0.0 };
+            // u_0
+            row[last] = if field % 2 == 1 { -((field / 2) as f64) * ROW_DESCENT } else { 0.0 };
         }
     }
 
@@ -310,8 +313,18 @@ impl Equations {
                 Ceiling { depth: lattice.columns()[i].cavity_rows, height }
             })
             .collect();
-        let response = Condensed { load: lattice.length(), contacts: self.contacts, influence, at_rest };
-        Some(CondensedCell { response, ceilings, unknowns })
+        // Betti's theorem with uniform compression, in which the reaction is w and row j descends by 2 j / 3:
+        // descent L = 2 ny L / 3 - sum w u - sum 2 j g / 3
+        let load = lattice.length();
+        let work = |(&(field, _), own): (&(usize, usize), &[f64])| match field {
+            1 => w * own[inputs],
+            _ if field % 2 == 1 => (field / 2) as f64 * ROW_DESCENT * own[inputs],
+            _ => 0.0,
+        };
+        let work: f64 = self.unknowns.iter().zip(unknowns.chunks_exact(inputs + 1)).map(work).sum();
+        let descent = lattice.ny() as f64 * ROW_DESCENT - work / load;
+        let response = Condensed { load, contacts: self.contacts, influence, at_rest };
+        Some(CondensedCell { response, ceilings, unknowns, descent })
     }
 }
 

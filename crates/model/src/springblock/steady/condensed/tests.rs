@@ -8,21 +8,25 @@ fn lattice(width_um: f64, spacing_um: f64, depth_um: f64, rows: usize) -> Lattic
     Lattice::new(columns::cell(&groove(width_um, spacing_um, depth_um), 10e-6), rows, true)
 }
 
-/// Largest difference of the normal forces from both methods under uneven friction.
-fn largest_difference(lattice: &Lattice) -> Option<f64> {
+/// Largest difference of the normal forces from both methods under uneven friction, and relative difference of the
+/// stiffness without friction.
+fn differences(lattice: &Lattice) -> Option<[f64; 2]> {
     let plain = super::super::System::new(lattice, &[]);
-    let condensed = CondensedModel::new(lattice, 10e-6, E_PA, false)?.response().clone();
+    let model = CondensedModel::new(lattice, 10e-6, E_PA, false)?;
+    let stiffer = model.stiffness_per_length() * plain.load() / plain.bulk_stiffness();
+    let condensed = model.response();
     let m = condensed.contacts.len();
     assert_eq!(m, plain.contacts().len());
     let friction: Vec<f64> = (0..m).map(|c| 0.3 + 0.1 * (c as f64).sin()).collect();
     let (mut displacement, mut expected, mut found) = (vec![0.0; plain.order()], vec![0.0; m], vec![0.0; m]);
     plain.respond(&friction, &mut displacement, &mut expected);
     condensed.respond(&friction, &mut [], &mut found);
-    Some(expected.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max))
+    let most = expected.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    Some([most, (stiffer - 1.0).abs()])
 }
 
 #[test]
-fn normal_forces_are_those_of_all_blocks_of_thin_and_thick_layers() {
+fn normal_forces_and_stiffness_are_those_of_all_blocks_of_thin_and_thick_layers() {
     for (width, spacing, depth, rows) in [
         (130.0, 370.0, 20.0, 20),
         (130.0, 370.0, 14.0, 20),
@@ -42,8 +46,8 @@ fn normal_forces_are_those_of_all_blocks_of_thin_and_thick_layers() {
         (20.0, 10.0, 10.0, 150),
         (17.0, 18.0, 13.0, 100),
     ] {
-        let difference = largest_difference(&lattice(width, spacing, depth, rows)).unwrap();
-        assert!(difference < 1e-9, "{width} {spacing} {depth} {rows}: {difference:e}");
+        let found = differences(&lattice(width, spacing, depth, rows)).unwrap();
+        assert!(found.iter().all(|own| *own < 1e-9), "{width} {spacing} {depth} {rows}: {found:?}");
     }
 }
 
