@@ -22,7 +22,9 @@ mod synthetic_noise;
 pub use chi_square::chi_square_beyond;
 pub use kriging::{Kriging, distance};
 pub use normal::Normals;
-pub use normal_distribution::{BoxRule, mixture_quantile, normal_probability, normal_quantile};
+pub use normal_distribution::{
+    BoxRule, mixture_quantile, normal_probability, normal_quantile, tabulated_normal_probability,
+};
 pub use response_surface::{Axis, ResponseSurface};
 pub use sample::{extremes, mean_and_std, median, upper_median};
 pub use split_mix::{SplitMix64, splitmix64};

@@ -14,6 +14,11 @@ pub fn normal_probability(x: f64) -> f64 {
     0.5 * libm::erfc(-x * std::f64::consts::FRAC_1_SQRT_2)
 }
 
+/// Like [`normal_probability`], in a sixth of the time with an error of at most 4e-9.
+pub fn tabulated_normal_probability(x: f64) -> f64 {
+    TABLES.probability(x)
+}
+
 /// Density of a standard normal deviate at `x`.
 fn normal_density(x: f64) -> f64 {
     // exp(-x^2 / 2) / sqrt(2 pi)
@@ -248,7 +253,8 @@ impl BoxRule {
         if n == 0 {
             return 1.0;
         }
-        let [first, last] = [lower[0], upper[0]].map(|end| normal_probability(standardized(end, mean[0], factor[0])));
+        let probability = if n == 1 { normal_probability } else { tabulated_normal_probability };
+        let [first, last] = [lower[0], upper[0]].map(|end| probability(standardized(end, mean[0], factor[0])));
         // An exact component on its upper end counts as within.
         let share = last - first;
         if n == 1 || share <= 0.0 || points.is_empty() {

@@ -1,6 +1,6 @@
 //! Prediction of the mixture for a texture.
 
-use slipgrid_base::statistics::{mixture_quantile, normal_probability};
+use slipgrid_base::statistics::{mixture_quantile, normal_probability, tabulated_normal_probability};
 
 use crate::discrepancy::flat_friction::{PreparedFlat, conditional};
 use crate::discrepancy::mixture::Member;
@@ -365,7 +365,7 @@ impl Component {
         let n = self.mean.len();
         let within = |load: usize| {
             let std = self.covariance[load * n + load].max(1e-300).sqrt();
-            let below = |end: f64| normal_probability((end - self.mean[load]) / std);
+            let below = |end: f64| tabulated_normal_probability((end - self.mean[load]) / std);
             below(upper[load]) - below(lower[load])
         };
         (0..n).map(within).fold(1.0, f64::min)
