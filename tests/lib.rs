@@ -5,6 +5,8 @@ mod quoted;
 
 pub use quoted::Quoted;
 
+use std::path::{Path, PathBuf};
+
 use slipgrid_model::material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_model::pattern::{Pattern, PatternError, Planform};
 use slipgrid_model::springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
@@ -66,4 +68,18 @@ pub fn polymer_scene(
         speed_m_s: 2e-3,
         run: RunOptions { fidelity, extent, ..RunOptions::default() },
     })
+}
+
+/// Root folder of the repository.
+pub fn repository() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map_or_else(PathBuf::new, Path::to_owned)
+}
+
+/// Runs the program within this process; returns its exit code and what it wrote to stdout and stderr.
+pub fn slipgrid<T: AsRef<str>>(arguments: &[T]) -> (u8, String, String) {
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let arguments = arguments.iter().map(AsRef::as_ref);
+    let code = slipgrid_cli::run(std::iter::once("slipgrid").chain(arguments), &mut out, &mut err);
+    let [out, err] = [out, err].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    (code, out, err)
 }

@@ -3,8 +3,9 @@
 use std::fs;
 
 use crate::Case;
-use crate::place::{Place, repository};
+use crate::place::Place;
 use crate::record::Record;
+use slipgrid_tests::repository;
 
 /// Text of a file and its replacement.
 type Change = (&'static str, &'static str);

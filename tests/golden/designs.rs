@@ -3,13 +3,9 @@
 use std::fs;
 
 use crate::Case;
-use crate::place::{Place, repository};
+use crate::place::{Place, shipped};
 use crate::record::Record;
-
-/// Designs of `designs/` that are searched, named by the part after `ldpe-`; all use the calibration in
-/// `calibration/ldpe-cast-iron`.
-const SHIPPED: [&str; 8] =
-    ["any-humidity", "crosshatch", "lower-friction", "lowest", "rims", "squares", "target-mu", "unreachable"];
+use slipgrid_tests::repository;
 
 /// Design that is searched and confirmed in a second.
 const SMALL: &str = r#"name = "small"
@@ -79,18 +75,23 @@ pub fn cases() -> Vec<Case> {
     let small = VARIANTS.iter().map(|(name, from, to)| {
         Case::new(format!("small, {name}"), true, move || {
             assert!(SMALL.contains(from));
-            search(&[("design.toml", &SMALL.replacen(from, to, usize::from(!from.is_empty())))], "small")
+            search(&Place::with(&[("design.toml", &SMALL.replacen(from, to, usize::from(!from.is_empty())))]))
         })
     });
-    let shipped = SHIPPED.iter().map(|name| Case::new(format!("ldpe-{name}"), false, move || shipped(name)));
+    assert!(
+        shipped("").iter().all(|name| ["ldpe-", "scene-", "campaign-"].iter().any(|start| name.starts_with(start)))
+    );
+    // All use the calibration in `calibration/ldpe-cast-iron`.
+    let shipped =
+        shipped("ldpe-").into_iter().map(|name| Case::new(name.clone(), false, move || search(&with_material(&name))));
     let others = [
         Case::new("template", false, || {
             let text = include_str!("../../crates/cli/src/templates/design.toml");
-            search(&[("design.toml", text)], "template")
+            search(&Place::with(&[("design.toml", text)]))
         }),
         Case::new("next", false, || {
             let mut record = Record::new();
-            with_material("lower-friction").run("next @design.toml --count 2 --json", &mut record);
+            with_material("ldpe-lower-friction").run("next @design.toml --count 2 --json", &mut record);
             record
         }),
         Case::new("campaign of rims", true, campaign),
@@ -99,11 +100,7 @@ pub fn cases() -> Vec<Case> {
 }
 
 /// Records the outputs of a search, and of an export of its result in every format.
-fn search(files: &[(&str, &str)], _name: &str) -> Record {
-    search_in(&Place::with(files))
-}
-
-fn search_in(place: &Place) -> Record {
+fn search(place: &Place) -> Record {
     let mut record = Record::new();
     place.run("optimize @design.toml --json --no-explorer -o @out", &mut record);
     place.record_folder("out", &mut record);
@@ -124,14 +121,10 @@ fn with_material(name: &str) -> Place {
         assert_eq!(code, 0, "{err}");
         fs::read_to_string(place.path("m.toml")).unwrap()
     });
-    let text = fs::read_to_string(repository().join(format!("designs/ldpe-{name}.toml"))).unwrap();
+    let text = fs::read_to_string(repository().join(format!("designs/{name}.toml"))).unwrap();
     let design = text.replace("../calibration/ldpe-cast-iron/calibration.toml", "m.toml");
     assert_ne!(design, text);
     Place::with(&[("design.toml", &design), ("m.toml", &MATERIAL)])
-}
-
-fn shipped(name: &str) -> Record {
-    search_in(&with_material(name))
 }
 
 /// Records the plan of a campaign.

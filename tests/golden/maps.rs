@@ -1,12 +1,11 @@
-//! Altitude maps: synthetic maps in several formats and shapes, and files of other programs.
+//! Altitude maps: synthetic maps of several shapes, and files of other programs.
 
-use std::fmt::Write as _;
 use std::fs;
 
 use crate::Case;
-use crate::place::{Place, repository};
-use crate::random::Random;
+use crate::place::Place;
 use crate::record::Record;
+use slipgrid_tests::repository;
 
 /// Files of other programs, from the tests of the readers, with the options that they need.
 const FOREIGN: [(&str, &str); 17] = [
@@ -59,13 +58,6 @@ pub fn cases() -> Vec<Case> {
     let made = MADE.iter().enumerate().map(|(number, (name, options, reading))| {
         Case::new(*name, true, move || measured(&synthesized(number, options), "@map.asc", reading))
     });
-    let formats = ["csv", "xyz", "npy", "gsf", "txt"].iter().map(|format| {
-        Case::new(format!("as {format}"), true, move || {
-            let place = synthesized(0, "--pixels 40 --waves 2:12");
-            let (file, options) = rewrite(&place, format);
-            measured(&place, &file, options)
-        })
-    });
     let laws = LAWS.iter().map(|(name, made, options)| {
         Case::new(format!("area law, {name}"), !name.contains("windows"), move || {
             let mut record = Record::new();
@@ -78,7 +70,7 @@ pub fn cases() -> Vec<Case> {
         Place::new().run("area-law --persson-rms-slope 0.0137 --json", &mut record);
         record
     });
-    foreign.chain(made).chain(formats).chain(laws).chain([persson]).collect()
+    foreign.chain(made).chain(laws).chain([persson]).collect()
 }
 
 /// Area laws: name, options of `synthesize`, and options of `area-law`.
@@ -111,72 +103,4 @@ fn measured(place: &Place, file: &str, options: &str) -> Record {
         place.record_file("period.asc", "period.asc", &mut record);
     }
     record
-}
-
-/// Writes map.asc of `place` in another format, with a spike and, if the format allows it, a missing point. Returns the
-/// name of the file and the options that it needs.
-fn rewrite(place: &Place, format: &str) -> (String, &'static str) {
-    let text = fs::read_to_string(place.path("map.asc")).unwrap();
-    let rows: Vec<Vec<f64>> = text
-        .lines()
-        .filter(|line| !line.starts_with('#') && !line.trim().is_empty())
-        .map(|line| line.split_whitespace().map(|word| word.parse().unwrap()).collect())
-        .collect();
-    let (lines, points) = (rows.len(), rows[0].len());
-    let mut random = Random::new(7);
-    let [hole, spike] = [0, 0].map(|_| (random.next() % (lines * points) as u64) as usize);
-    let heights: Vec<f64> = rows
-        .concat()
-        .iter()
-        .enumerate()
-        .map(|(place, height)| if place == hole { f64::NAN } else { height + if place == spike { 5.0 } else { 0.0 } })
-        .collect();
-    let shown = |height: &f64| if height.is_nan() { "nan".to_owned() } else { format!("{height:.5}") };
-    let joined = |mark: &str| {
-        heights
-            .chunks(points)
-            .fold(String::new(), |text, row| text + &row.iter().map(shown).collect::<Vec<_>>().join(mark) + "\n")
-    };
-    let bytes = match format {
-        "csv" => joined(";").replace('.', ",").into_bytes(),
-        "txt" => format!("# Width: 0.5 mm\n# Height: 0.5 mm\n# Value units: um\n{}", joined("\t")).into_bytes(),
-        "xyz" => {
-            let points = heights
-                .iter()
-                .enumerate()
-                .filter(|(_, height)| !height.is_nan())
-                .map(|(n, height)| (12.5 * (n % points) as f64, 12.5 * (n / points) as f64, height));
-            points
-                .fold(String::new(), |mut text, (x, y, height)| {
-                    writeln!(text, "{x} {y} {height:.5}").unwrap();
-                    text
-                })
-                .into_bytes()
-        }
-        "npy" => {
-            let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({lines}, {points}), }}\n");
-            let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-            bytes.extend_from_slice(&(header.len() as u16).to_le_bytes());
-            bytes.extend_from_slice(header.as_bytes());
-            bytes.extend(heights.iter().flat_map(|height| height.to_le_bytes()));
-            bytes
-        }
-        _ => {
-            let mut bytes = format!(
-                "Gwyddion Simple Field 1.0\nXRes = {points}\nYRes = {lines}\nXReal = 0.0005\nYReal = 0.0005\nXYUnits = m\nZUnits = um\n"
-            )
-            .into_bytes();
-            bytes.resize(bytes.len() + 4 - bytes.len() % 4, 0);
-            bytes.extend(heights.iter().flat_map(|height| (*height as f32).to_le_bytes()));
-            bytes
-        }
-    };
-    let file = format!("made.{format}");
-    place.write(&file, &bytes);
-    let options = match format {
-        "csv" | "npy" => "--pixel-um 12.5 --height-unit um --despike",
-        "xyz" => "--height-unit um --lateral-unit um",
-        _ => "--despike",
-    };
-    (format!("@{file}"), options)
 }

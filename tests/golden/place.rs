@@ -4,13 +4,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
+use slipgrid_tests::{repository, slipgrid};
 use tempfile::TempDir;
 
-use crate::record::{Record, insert, insert_csv, insert_drawing};
+use crate::record::{Record, insert, insert_csv, insert_drawing, insert_picture};
 
-/// Root folder of the repository.
-pub fn repository() -> PathBuf {
-    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).canonicalize().unwrap()
+/// Names of the files of `designs/` that begin with `start`, without their extension.
+pub fn shipped(start: &str) -> Vec<String> {
+    let entries = fs::read_dir(repository().join("designs")).unwrap().map(|entry| entry.unwrap().file_name());
+    let names = entries.filter_map(|name| Some(name.to_str()?.strip_suffix(".toml")?.to_owned()));
+    names.filter(|name| name.starts_with(start)).collect()
 }
 
 /// Folder of files, deleted when dropped.
@@ -59,18 +62,15 @@ impl Place {
     pub fn run_raw(&self, arguments: &str) -> (u8, String, String) {
         let folder = format!("{}/", self.0.path().display());
         let words = arguments.split_whitespace().map(|word| word.replace('@', &folder));
-        let (mut out, mut err) = (Vec::new(), Vec::new());
-        let program = ["slipgrid", "--no-cache", "--threads", "1"].into_iter().map(str::to_owned);
-        let code = slipgrid_cli::run(program.chain(words), &mut out, &mut err);
-        let [out, err] = [out, err].map(|bytes| {
-            let text = String::from_utf8_lossy(&bytes).replace(&folder, "");
-            text.replace(&repository().display().to_string(), "REPOSITORY")
-        });
+        let program = ["--no-cache", "--threads", "1"].map(str::to_owned);
+        let (code, out, err) = slipgrid(&program.into_iter().chain(words).collect::<Vec<_>>());
+        let [out, err] =
+            [out, err].map(|text| text.replace(&folder, "").replace(&repository().display().to_string(), "REPOSITORY"));
         (code, out, err)
     }
 
-    /// Records the files of a folder by type: names of pictures and pages, fields of JSON and TOML, columns of CSV, and
-    /// number of lines and sum of the others.
+    /// Records the files of a folder by type: texts and marks of pictures, names of pages, fields of JSON and TOML,
+    /// columns of CSV, and number of lines and sum of the others.
     pub fn record_folder(&self, folder: &str, record: &mut Record) {
         let Ok(entries) = fs::read_dir(self.path(folder)) else { return };
         let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
@@ -88,7 +88,8 @@ impl Place {
         let Ok(text) = fs::read_to_string(self.path(file)) else { return };
         match Path::new(file).extension().and_then(|extension| extension.to_str()) {
             // Written beside stdout, which has the same.
-            Some("html" | "svg" | "png") => {}
+            Some("html" | "png") => {}
+            Some("svg") => insert_picture(record, field, &text),
             Some("json") if field == "result.json" || field == "timings.json" => {}
             Some("json") => insert(record, field, &serde_json::from_str(&text).unwrap()),
             Some("toml") => {

@@ -89,6 +89,16 @@ pub fn insert_csv(record: &mut Record, path: &str, text: &str) {
     }
 }
 
+/// Inserts the texts of a picture and the number of its marks of each kind.
+pub fn insert_picture(record: &mut Record, path: &str, svg: &str) {
+    let tags: Vec<&str> = svg.split('<').collect();
+    let texts = tags.iter().filter(|tag| tag.starts_with("text ")).filter_map(|tag| tag.split('>').nth(1));
+    record.insert(format!("{path}.texts"), texts.map(|text| Value::from(text.trim())).collect());
+    let count = |mark: &str| tags.iter().filter(|tag| tag.split(' ').next() == Some(mark)).count();
+    let marks = ["circle", "polygon", "polyline", "line", "rect", "path", "image"];
+    record.insert(format!("{path}.marks"), marks.map(|mark| count(mark).to_string()).join(" ").into());
+}
+
 /// Inserts the number of lines of a drawing or program, and the sum of all its numbers.
 pub fn insert_drawing(record: &mut Record, path: &str, text: &str) {
     let numbers = text.split(|c: char| !(c.is_ascii_digit() || c == '.')).filter_map(|word| word.parse::<f64>().ok());

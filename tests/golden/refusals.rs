@@ -170,7 +170,7 @@ fn replace(table: &mut Table, keys: &[&str], value: Option<Toml>) -> bool {
 }
 
 /// Replacements in the table of measurements.
-const TABLES: [(&str, &str); 16] = [
+const TABLES: [(&str, &str); 18] = [
     ("mu_dynamic,", "mu_dynamik,"),
     ("force_n", "force_kn"),
     ("0.248", "24.8"),
@@ -178,6 +178,8 @@ const TABLES: [(&str, &str); 16] = [
     ("0.248", "abc"),
     ("0.248", ""),
     ("0.248", "0,248"),
+    ("0.248", "NaN"),
+    ("_std\n50,0.0001,15,0.248,0.002\n", "_std,mu_static_std\n50,0.0001,15,0.248,0.002,0.1\n"),
     ("50,", "0,"),
     ("50,", "-50,"),
     ("50,", "1e9,"),

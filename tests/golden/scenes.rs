@@ -1,9 +1,10 @@
 //! Scenes of every planform, extent and fidelity, with random parameters from a fixed seed.
 
 use crate::Case;
-use crate::place::{Place, repository};
+use crate::place::{Place, shipped};
 use crate::random::Random;
 use crate::record::Record;
+use slipgrid_tests::repository;
 
 /// Kinds of scenes by method, and the number of scenes of each kind.
 const KINDS: [(&str, usize); 9] = [
@@ -51,11 +52,11 @@ pub fn cases() -> Vec<Case> {
             }))
         })
         .collect();
-    for name in ["scene-hexagon", "scene-rims"] {
-        cases.push(Case::new(name, true, move || {
+    for name in shipped("scene-") {
+        cases.push(Case::new(name.clone(), true, move || {
             let mut record = Record::new();
             let place = Place::new();
-            let scene = repository().join("designs").join(name).with_extension("toml");
+            let scene = repository().join("designs").join(&name).with_extension("toml");
             place.run(&format!("simulate {} --json -o @out", scene.display()), &mut record);
             place.record_folder("out", &mut record);
             record

@@ -2,10 +2,15 @@
 
 use std::fmt::Write as _;
 
+use serde_json::Value;
+
 use crate::Case;
 use crate::place::Place;
 use crate::random::Random;
 use crate::record::Record;
+
+/// Refused tables, one a line, with escaped line ends and tabs; after two spaces an option.
+const REFUSED: &str = include_str!("inputs/exports.txt");
 
 /// Distance of a specimen from the axis, in metres.
 const RADIUS_M: f64 = 0.0381;
@@ -56,13 +61,27 @@ fn exports() -> Vec<(&'static str, String, String)> {
         let n = n * (t - 4.0).clamp(0.0, 1.0);
         format!("{t:.2},{:.4},{:.3}", mu * n + 0.3, n + 2.4)
     });
+    let coefficient = table("time_s,COF,load_n", &good, |[t, mu, n]| format!("{t:.2},{mu:.5},{n:.3}"));
+    let coarse: Vec<[f64; 3]> = good.iter().copied().step_by(20).collect();
+    // Mean forces of 37.5 and 150 N, in other units, in each other's place, and beside what is stated.
+    let forces = |friction: f64, load: f64| {
+        table("time_s,Fx,Fz", &good, |[t, mu, n]| format!("{t:.2},{:.6},{:.6}", mu * n * friction, n * load))
+    };
     let tables = [
         ("torque", plain(&good)),
+        ("load in kN", forces(1.0, 1e-3)),
+        ("load in mN", forces(1.0, 1e3)),
+        ("load in kgf", forces(1.0, 0.102)),
+        ("load in gf", forces(1.0, 102.0)),
+        ("forces in each other's place", forces(4.0, 0.25)),
+        ("forces likely in each other's place", forces(4.0, 0.6)),
+        ("a little more load", forces(1.0, 1.08)),
+        ("half of the load", forces(1.0, 0.45)),
         (
             "force",
             table("time_s,friction_force_n,normal_force_n", &good, |[t, mu, n]| format!("{t:.2},{:.4},{n:.3}", mu * n)),
         ),
-        ("coefficient", table("time_s,COF,load_n", &good, |[t, mu, n]| format!("{t:.2},{mu:.5},{n:.3}"))),
+        ("coefficient", coefficient.clone()),
         ("coefficient alone", table("t,mu", &good, |[t, mu, _]| format!("{t:.2},{mu:.5}"))),
         (
             "decimal commas",
@@ -134,6 +153,8 @@ fn exports() -> Vec<(&'static str, String, String)> {
             table("time_s,Fx,Fz,speed_mm_s", &good, |[t, mu, n]| format!("{t:.2},{:.4},{n:.3},0.00001", mu * n)),
         ),
         ("stick-slip", changed(&|_, row| row[1] += 0.03 * (row[0] % 1.0 - 0.5))),
+        ("no load at all", changed(&|_, row| row[2] = 0.0)),
+        ("another side after 30 s", changed(&|place, row| row[1] *= if place < 600 { 1.0 } else { -1.0 })),
         ("another load", changed(&|_, row| row[2] *= 1.3)),
         ("short", plain(&good[..300])),
         ("no title", plain(&good).lines().skip(1).fold(String::new(), |text, line| text + line + "\n")),
@@ -149,10 +170,38 @@ fn exports() -> Vec<(&'static str, String, String)> {
     exports.push(("reciprocating", reciprocating.clone(), format!("{OPTIONS} --reciprocating")));
     exports.push(("reciprocating, not said", reciprocating, OPTIONS.to_owned()));
     exports.push(("no static peak sought", plain(&good), format!("{OPTIONS} --no-static-peak")));
-    exports.push(("its zero", touchdown, format!("{OPTIONS} --zero-s 0,3")));
+    exports.push(("its zero", touchdown.clone(), format!("{OPTIONS} --zero-s 0,3")));
     exports.push(("zero under load", plain(&good), format!("{OPTIONS} --zero-s 1,3")));
-    exports.push(("window beyond", plain(&good), OPTIONS.replace("10,40", "30,60")));
-    exports.push(("window backward", plain(&good), OPTIONS.replace("10,40", "40,10")));
+    exports.push(("no strokes", plain(&good), format!("{OPTIONS} --reciprocating")));
+    exports.push((
+        "few samples of a stroke",
+        table("time_s,Fx,Fz", &coarse, back_and_forth),
+        format!("{OPTIONS} --reciprocating"),
+    ));
+    exports.push(("zero of a coefficient", coefficient, format!("{OPTIONS} --zero-s 0,3")));
+    for (name, window_s) in [
+        ("window beyond", "30,60"),
+        ("window backward", "40,10"),
+        ("window of no length", "10,10"),
+        ("window before the first row", "-1,5"),
+        ("window without an end", "0,nan"),
+        ("window of half a second", "10,10.5"),
+    ] {
+        exports.push((name, plain(&good), OPTIONS.replace("--window-s 10,40", &format!("--window-s={window_s}"))));
+    }
+    for (name, span_s) in [
+        ("zero of no length", "2,2"),
+        ("zero backward", "3,1"),
+        ("zero before the first row", "-1,2"),
+        ("zero without an end", "0,inf"),
+        ("zero within the window", "0,12"),
+        ("zero beyond", "50,60"),
+        ("zero of few samples", "1,1.1"),
+        ("zero that reaches into the loading", "0,4.5"),
+        ("zero after touchdown", "6,9"),
+    ] {
+        exports.push((name, touchdown.clone(), format!("{OPTIONS} --zero-s={span_s}")));
+    }
     exports.push(("no radius", plain(&good), OPTIONS.replace("--effective-radius-mm 38.1", "")));
     exports.push(("three specimens", plain(&good), format!("{} --specimens 3", OPTIONS.replace("150", "50"))));
     exports
@@ -178,6 +227,15 @@ pub fn cases() -> Vec<Case> {
         place.run(&format!("traces @a.csv @b.csv @c.csv {OPTIONS} -o @out"), &mut record);
         place.record_folder("out", &mut record);
         record
+    }));
+    cases.push(Case::new("refused tables", true, || {
+        let said = |line: &str| {
+            let (text, option) = line.split_once("  ").unwrap_or((line, ""));
+            let text = text.replace("\\n", "\n").replace("\\t", "\t").replace("\\r", "\r");
+            let (code, _, err) = Place::with(&[("a.csv", &text)]).run_raw(&format!("traces @a.csv {OPTIONS} {option}"));
+            (line.to_owned(), Value::from(format!("{code} {}", err.trim())))
+        };
+        REFUSED.lines().map(said).collect()
     }));
     for (name, files) in [("given twice", "@a.csv @a.csv"), ("copied", "@a.csv @b.csv")] {
         cases.push(Case::new(name, true, move || {

@@ -5,12 +5,13 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use serde_json::Value;
+use slipgrid_tests::{repository, slipgrid};
 
 /// Statuses for which mu may be absent.
 const WITHOUT_MU: [&str; 6] = ["no_load", "no_onset", "too_many_steps", "diverged", "not_converged", "cancelled"];
 
 fn files() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("hard_cases/scenes");
+    let folder = repository().join("tests/hard_cases/scenes");
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
     files
@@ -48,13 +49,11 @@ fn complaints(file: &Path) -> Vec<String> {
     let expected = expectations(&text);
     assert!(text.starts_with("# ") && !expected.is_empty(), "{} says nothing of what is expected", file.display());
     let folder = tempfile::tempdir().unwrap();
-    let (mut out, mut err) = (Vec::new(), Vec::new());
     let started = Instant::now();
     let output = folder.path().join("out");
-    let arguments = ["slipgrid", "--quiet", "simulate", file.to_str().unwrap(), "--json", "-o"];
-    let code = slipgrid_cli::run(arguments.into_iter().chain([output.to_str().unwrap()]), &mut out, &mut err);
+    let arguments = ["--quiet", "simulate", file.to_str().unwrap(), "--json", "-o", output.to_str().unwrap()];
+    let (code, out, err) = slipgrid(&arguments);
     let wall_s = started.elapsed().as_secs_f64();
-    let (out, err) = (String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap());
 
     let mut wrong = Vec::new();
     let exit = expected.get("exit").and_then(toml::Value::as_integer).unwrap_or(0);
