@@ -32,7 +32,7 @@
 
 mod engine;
 mod folder;
-mod inputs;
+pub(crate) mod inputs;
 pub(crate) mod plan;
 mod records;
 mod results;

@@ -322,14 +322,6 @@ mod tests {
         let covariance = known.scale_covariance.unwrap();
         let expected = [[4e-4, -4e-3], [-4e-3, 0.09]];
         assert!(covariance.iter().flatten().zip(expected.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-12));
-        for wrong in ["[[1.0]]", "[[1e-4, 1.0], [1.0, 1e-4]]", "[[1e-4, 0.0], [1e-5, 1e-4]]"] {
-            let text = format!(
-                "youngs_modulus_gpa = 0.4\ndensity_g_cm3 = 0.9\n[friction]\n{single}scale_covariance = {wrong}\n"
-            );
-            let document = Document::new("m.toml", text);
-            let refused = read_known(&document, &document.parse().unwrap(), &(0..0)).unwrap_err().to_string();
-            assert!(refused.contains("scale_covariance"), "{refused}");
-        }
     }
 
     #[test]
@@ -377,32 +369,5 @@ mod tests {
         let single = read("static_mean = 0.3\ndynamic_mean = 0.25\ndynamic_std_error = 0.005", "");
         let covariance = single.friction_covariance(&[1e6, 2e6], &[at(2e-3), at(1e-3)]).unwrap();
         assert!(covariance.len() == 4 && covariance.iter().flatten().all(|entry| (entry - 4e-4).abs() < 1e-15));
-    }
-
-    #[test]
-    fn what_belongs_to_one_pair_of_coefficients_is_refused_beside_coefficients_per_condition() {
-        let table = "[[friction.conditions]]\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\npressure_mpa = [0.7]\nstatic_mean = 0.3\n\
-                     dynamic_mean = 0.25\n";
-        let read = |line: &str| {
-            let text = format!(
-                "youngs_modulus_gpa = 0.4\ndensity_g_cm3 = 0.9\n[friction]\nrelative_std = 0.05\n{line}\n{table}"
-            );
-            let document = Document::new("m.toml", text);
-            read_known(&document, &document.parse().unwrap(), &(0..0)).map_err(|refused| refused.to_string())
-        };
-        assert!(read("").is_ok());
-        for (line, key) in [
-            ("static_mean = 0.3", "static_mean"),
-            ("pressure_mpa = [0.7, 2.6]", "pressure_mpa"),
-            ("static_std_error = 0.01", "static_std_error"),
-            ("dynamic_std_error = 0.01", "dynamic_std_error"),
-            ("dynamic_std_error_given_law = 0.01", "dynamic_std_error_given_law"),
-            ("dynamic_over_steady = 1.0", "dynamic_over_steady"),
-            ("scale_covariance = [[1e-4, 0.0], [0.0, 1e-4]]", "scale_covariance"),
-        ] {
-            let refused = read(line).unwrap_err();
-            assert!(refused.starts_with(&format!("m.toml:5: friction.{key}: ")), "{refused}");
-            assert!(refused.contains("stands beside coefficients per condition; expected"), "{refused}");
-        }
     }
 }

@@ -456,19 +456,10 @@ mod tests {
 
     #[test]
     fn a_row_that_was_copied_is_named_with_both_lines() {
-        let row = |line, mu_dynamic| Placed {
-            measurement: Measurement {
-                force_n: 40.0,
-                speed_m_s: 5e-3,
-                humidity: 0.5,
-                mu_dynamic,
-                mu_dynamic_std: 0.003,
-                static_peak: None,
-            },
-            path: PathBuf::from("flat.csv"),
-            line,
-            sliding_m: None,
-            order: None,
+        let row = |line, mu_dynamic| {
+            let mut row = row_of(40.0, 5e-3, line);
+            row.measurement.mu_dynamic = mu_dynamic;
+            row
         };
         // Repeats of a condition differ by their scatter.
         assert_eq!(identical(&[], &[row(2, 0.27), row(3, 0.271)]), []);

@@ -165,24 +165,21 @@ fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic { is_absent, ..Diagnostic::file(path, format!("cannot be read: {error}")) }
 }
 
+/// Files in memory.
+#[cfg(test)]
+pub(crate) fn in_memory(files: &[(&str, &[u8])]) -> Source {
+    let contents = files.iter().map(|(path, bytes)| ((*path).to_owned(), Arc::new(bytes.to_vec())));
+    Arc::new(crate::campaign::inputs::InMemory(contents.collect()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Source with the same file at every path.
-    #[derive(Debug)]
-    struct One(&'static [u8]);
-
-    impl Files for One {
-        fn read(&self, _: &Path) -> io::Result<Vec<u8>> {
-            Ok(self.0.to_vec())
-        }
-    }
-
     #[test]
     fn a_file_that_is_not_there_is_told_from_one_that_cannot_be_read() {
         let is_absent = |source: Source| read_text(&source, Path::new("a.toml"), "a file").unwrap_err().is_absent;
-        assert!(is_absent(Arc::new(NoFiles)) && !is_absent(Arc::new(One(b"Gr\xF6\xDFe"))));
+        assert!(is_absent(Arc::new(NoFiles)) && !is_absent(in_memory(&[("a.toml", b"Gr\xF6\xDFe")])));
     }
 
     #[test]
@@ -196,7 +193,7 @@ mod tests {
         assert_eq!(read(b"Gr\xF6\xDFe").unwrap(), Err(b"Gr\xF6\xDFe".to_vec()));
         let refused = read(b"\x7FELF\x02\x01\x01\x00\x00").unwrap_err().to_string();
         assert!(refused.contains("a.csv: is no text: it holds bytes that are zero; expected a table"), "{refused}");
-        let source: Source = Arc::new(One(b"name = \"a\"\nsource = \"Gr\xF6\xDFe\"\n"));
+        let source = in_memory(&[("a.toml", b"name = \"a\"\nsource = \"Gr\xF6\xDFe\"\n")]);
         let refused = read_text(&source, Path::new("a.toml"), "a design file").unwrap_err().to_string();
         assert_eq!(refused, "a.toml:2: is no text in UTF-8; expected a file saved as UTF-8 by its editor");
         assert!(read_letters(&source, Path::new("a.toml"), "a table").unwrap().contains("Größe"));

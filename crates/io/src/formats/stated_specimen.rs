@@ -197,12 +197,6 @@ mod tests {
     }
 
     #[test]
-    fn a_refused_key_beside_a_radius_is_named_by_itself() {
-        let refused = cut("", "cavities = \"cut\"").unwrap_err();
-        assert!(refused.starts_with("c.toml:2: cavities: \"cut\" is not known; expected \"whole\""), "{refused}");
-    }
-
-    #[test]
     fn a_trial_is_held_as_the_calibration_says_or_as_it_says_itself() {
         let held = |usual: &str, own: &str| cut(usual, own).map(|cut| cut.holder);
         let rigid = "thickness_mm = 4.0\nholder = \"rigid\"";
@@ -210,24 +204,12 @@ mod tests {
         assert_eq!(held(rigid, ""), Ok(Some(Holder::Rigid)));
         assert_eq!(held(rigid, "holder = \"self-aligning\""), Ok(Some(Holder::SelfAligning)));
         assert_eq!(held("thickness_mm = 4.0", "holder = \"rigid\""), Ok(Some(Holder::Rigid)));
-        for (keys, expected) in [
-            (
-                "holder = \"rigid\"",
-                "c.toml:2: holder: \"rigid\" is given without the thickness of the specimen; expected thickness_mm beside it",
-            ),
-            ("holder = \"glued\"", "c.toml:2: holder: \"glued\" is not known; expected \"rigid\" or \"self-aligning\""),
-        ] {
-            for refused in [held(keys, ""), held("", keys)] {
-                let refused = refused.unwrap_err();
-                assert!(refused.starts_with(expected), "{refused}");
-            }
-        }
     }
 
     use crate::formats::calibration_file::CalibrationFile;
 
     #[test]
-    fn a_total_force_presses_all_specimens_and_several_specimens_say_which_it_is() {
+    fn a_total_force_presses_all_specimens() {
         let pressed = |keys: &str| {
             let text = format!(
                 "name = \"a\"\nsource = \"b\"\n[material]\nyoungs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[specimen]\nradius_mm = 5.0\n\
@@ -241,26 +223,5 @@ mod tests {
         assert_eq!(pressed("samples = 3\nforce_is = \"total\""), Ok(3));
         assert_eq!(pressed("samples = 3\nforce_is = \"per_sample\""), Ok(1));
         assert_eq!(pressed("samples = 1"), Ok(1));
-        for (keys, expected) in [
-            (
-                "samples = 3",
-                "c.toml:9: measurements.samples: 3 specimens share a force, or each bears it; expected force_is",
-            ),
-            (
-                "samples = 0",
-                "c.toml:9: measurements.samples: 0 specimens are not held; expected a whole number from 1 to 100",
-            ),
-            (
-                "force_is = \"total\"",
-                "c.toml:8: measurements.samples: is missing; expected the specimens in the holder",
-            ),
-            (
-                "samples = 2\nforce_is = \"all\"",
-                "c.toml:10: measurements.force_is: \"all\" is not known; expected \"per_sample\" or \"total\"",
-            ),
-        ] {
-            let refused = pressed(keys).unwrap_err();
-            assert!(refused.starts_with(expected), "{refused}");
-        }
     }
 }

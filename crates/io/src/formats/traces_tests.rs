@@ -1,29 +1,8 @@
-use std::io;
 use std::path::Path;
-use std::sync::Arc;
 
 use super::*;
 use crate::formats::calibration::Calibration;
-use crate::formats::source::{Entry, Files};
-
-/// Files in memory.
-#[derive(Debug)]
-struct Memory(Vec<(&'static str, String)>);
-
-impl Files for Memory {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        let file = self.0.iter().find(|(name, _)| Path::new(name) == path);
-        file.map(|(_, text)| text.clone().into_bytes()).ok_or_else(|| io::ErrorKind::NotFound.into())
-    }
-
-    fn entry(&self, path: &Path) -> io::Result<Entry> {
-        self.read(path).map(|_| Entry::File)
-    }
-
-    fn names(&self, _: &Path) -> Vec<String> {
-        self.0.iter().map(|(name, _)| (*name).to_owned()).collect()
-    }
-}
+use crate::formats::source::in_memory;
 
 /// `rows` lines at 10 Hz, each from its time and a ripple, so that no sensor is constant.
 fn lines(rows: u32, line: impl Fn(f64, f64) -> String) -> String {
@@ -43,7 +22,7 @@ fn read(export: &str, keys: &str, conditions: &[(u32, &str)]) -> Result<Vec<Cond
          [surface]\npersson_rms_slope = 0.1\n[traces]\nwindow_s = [1, 9]\n{keys}\n{}",
         conditions.iter().map(condition).collect::<String>()
     );
-    let source: Source = Arc::new(Memory(vec![("c.toml", text), ("a.csv", export.to_owned())]));
+    let source = in_memory(&[("c.toml", text.as_bytes()), ("a.csv", export.as_bytes())]);
     Calibration::read(&source, Path::new("c.toml")).map(|read| read.traces).map_err(|refused| refused.to_string())
 }
 

@@ -1,32 +1,8 @@
-use std::collections::BTreeMap;
-use std::io;
-use std::path::PathBuf;
-use std::sync::Arc;
-
 use super::*;
-use crate::formats::source::{Entry, Files};
-
-/// Drawings in memory.
-#[derive(Debug)]
-struct Drawings(BTreeMap<PathBuf, String>);
-
-impl Files for Drawings {
-    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        self.0.get(path).map(|text| text.clone().into_bytes()).ok_or_else(|| io::ErrorKind::NotFound.into())
-    }
-
-    fn entry(&self, path: &Path) -> io::Result<Entry> {
-        self.0.get(path).map(|_| Entry::File).ok_or_else(|| io::ErrorKind::NotFound.into())
-    }
-
-    fn names(&self, _: &Path) -> Vec<String> {
-        Vec::new()
-    }
-}
+use crate::formats::source::in_memory;
 
 fn drawing(name: &str, text: &str, layer: Option<&str>) -> Result<Polygon, Diagnostic> {
-    let source: Source = Arc::new(Drawings(BTreeMap::from([(PathBuf::from(name), text.to_owned())])));
-    read_drawing(&source, Path::new(name), layer)
+    read_drawing(&in_memory(&[(name, text.as_bytes())]), Path::new(name), layer)
 }
 
 fn svg(body: &str) -> Result<Polygon, Diagnostic> {
@@ -166,7 +142,7 @@ fn what_is_refused_names_line_key_value_and_what_is_accepted() {
     assert!(refused("0\nSECTION\n").contains("ends before EOF"));
     assert!(refused("0\nSECTION\n2\n").contains("has no value after it"));
     assert!(drawing("a.svg", "<html/>", None).unwrap_err().to_string().contains("is no SVG drawing"));
-    let missing = read_drawing(&(Arc::new(Drawings(BTreeMap::new())) as Source), Path::new("b.svg"), None);
+    let missing = read_drawing(&in_memory(&[]), Path::new("b.svg"), None);
     assert!(missing.unwrap_err().to_string().contains("b.svg: cannot be read"));
 }
 
