@@ -62,14 +62,6 @@ fn umt_with_grams_steps_and_two_columns_of_one_force() {
     let second = read(&text, Some(2), &[]).unwrap();
     assert_friction(&second, &[0.6, 0.6]);
     assert!(matches!(&second.repeats[0].channels.tangential, Tangential::ForceN(force) if force[0] < 0.0));
-    let refused = read(&text, None, &[]).unwrap_err().to_string();
-    assert!(
-        refused.contains("several steps, each with its own clock: 1 (from line 13), 2 (from line 124)"),
-        "{refused}"
-    );
-    assert!(refused.contains("`step = 1`") && refused.contains("--step 1"), "{refused}");
-    let refused = read(&text, Some(3), &[]).unwrap_err().to_string();
-    assert!(refused.contains("has no step 3") && refused.contains("one of its steps: 1 (from"), "{refused}");
     // Two runs of a step are repeats.
     let runs = format!("{head}{}Run # 2\n{}", umt_step(1, 0.7), umt_step(1, 0.6));
     assert_friction(&read(&runs, None, &[]).unwrap(), &[0.7, 0.6]);
@@ -207,12 +199,6 @@ fn words_below_the_last_row_are_left_out_and_words_between_rows_are_not() {
     }
     // After text lines the next run may begin.
     assert_friction(&read(&format!("{header}{rows}Test completed\n{rows}"), None, &[]).unwrap(), &[0.21, 0.21]);
-    // The rows of a second table with unknown titles are not read.
-    let second = read(&format!("{header}{rows}Cycle;Max;Mean\n1;0.2;0.2\n"), None, &[]).unwrap_err();
-    assert_eq!((second.line, second.value.as_deref()), (Some(103), Some("\"Cycle\"")));
-    for (text, line) in [("x;10;2\n", 2), ("0;10\n", 2), ("0;10;2\n1.000,5;10;2\n", 3)] {
-        assert_eq!(read(&format!("{header}{text}"), None, &[]).unwrap_err().line, Some(line), "{text}");
-    }
 }
 
 #[test]
@@ -248,7 +234,6 @@ fn a_clock_that_begins_anew_begins_a_repeat() {
     assert_friction(&file, &[0.21, 0.22]);
     assert_eq!(file.repeats.iter().map(|run| run.clock_restarts_in_line).collect::<Vec<_>>(), [None, Some(103)]);
     assert_friction(&read(&text, Some(2), &[]).unwrap(), &[0.22]);
-    assert!(read(&text, Some(3), &[]).unwrap_err().to_string().contains("a `step` from 1 to 2"));
     // Time and friction are swapped.
     let swapped = "Fx;time;Fz\n".to_owned() + &lines(101, |t| format!("{t:.1};{:.4};10", 2.1 * ripple(t)));
     let file = read(&swapped, None, &[]).unwrap();

@@ -195,26 +195,4 @@ mod tests {
             (found.window.mu - 0.25).abs() < 4.0 * found.window.stderr && found.flags == [TraceFlag::SignNotRecorded]
         );
     }
-
-    #[test]
-    fn sliding_back_and_forth_is_refused_as_one_direction_and_the_other_way_round() {
-        let both = recorded(0.002, |mu| mu);
-        let one_way = analyse(&both, &TraceOptions { stroke_share: None, ..OPTIONS });
-        assert!(one_way.unwrap_err().to_string().starts_with("friction changes its sign"));
-        let one = recorded(0.002, |_| 0.25);
-        let mut steady = one.clone();
-        let mut random = Noise::new(3);
-        steady.tangential = Tangential::ForceN(steady.time_s.iter().map(|_| 5.0 + 0.02 * random.normal()).collect());
-        let refused = analyse(&steady, &OPTIONS);
-        assert!(refused.unwrap_err().to_string().starts_with("the window holds 0 strokes"));
-        // Ten samples per second: one sample in the middle quarter of a second is not enough for a mean.
-        let coarse = |values: &[f64]| values.iter().copied().step_by(20).collect::<Vec<_>>();
-        let sparse = TraceChannels {
-            time_s: coarse(&both.time_s),
-            start_s: 0.0,
-            tangential: Tangential::ForceN(coarse(both.tangential.values())),
-            normal_force_n: coarse(&both.normal_force_n),
-        };
-        assert!(analyse(&sparse, &OPTIONS).unwrap_err().to_string().starts_with("the stroke from"));
-    }
 }

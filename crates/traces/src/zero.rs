@@ -358,22 +358,4 @@ mod tests {
             assert!((with(&channels, [0.0, 3.5]).unwrap().window.mu - 0.25).abs() < 1e-3, "{offset_n}");
         }
     }
-
-    #[test]
-    fn spans_that_have_no_zero_are_refused_by_name() {
-        let channels = recorded(150.0, [2.4, 0.0]);
-        let refused = |span_s: [f64; 2]| with(&channels, span_s).unwrap_err();
-        for span_s in [[2.0, 2.0], [3.0, 1.0], [-1.0, 2.0], [0.0, f64::NAN], [0.0, f64::INFINITY]] {
-            assert!(refused(span_s).to_string().contains("has no meaning"), "{span_s:?}");
-        }
-        assert!(refused([0.0, 12.0]).to_string().starts_with("the zero ends at 12 s"));
-        assert!(refused([50.0, 60.0]).to_string().starts_with("the zero ends at 60 s"));
-        assert!(refused([1.0, 1.1]).to_string().starts_with("the zero from 1 to 1.1 s holds 3 samples"));
-        // A span that reaches into the loading, and one that is under load throughout.
-        assert!(refused([0.0, 4.5]).to_string().contains("within the zero from 0 to 4.5 s"));
-        assert!(refused([6.0, 9.0]).to_string().contains("within the zero from 6 to 9 s"));
-        assert!(refused([6.0, 9.0]).to_string().contains("expected a zero_s before touchdown"));
-        let divided = TraceChannels { tangential: Tangential::Coefficient(vec![0.25; 801]), ..channels };
-        assert_eq!(with(&divided, [0.0, 2.0]), Err(of_coefficient()));
-    }
 }
