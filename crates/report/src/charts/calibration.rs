@@ -201,36 +201,6 @@ pub fn area_law(
 mod tests {
     use super::*;
 
-    fn series(label: &str, mu: f64) -> FlatSeries {
-        let at = |pressure_mpa: f64, value: f64| (pressure_mpa, Estimate { value, error: Some(0.002) });
-        let measured = vec![at(0.65, mu), at(2.6, mu + 0.02)];
-        FlatSeries {
-            label: label.to_owned(),
-            measured,
-            modelled: vec![(0.65, (mu + 0.001).into()), (2.6, (mu + 0.019).into())],
-        }
-    }
-
-    #[test]
-    fn every_condition_has_its_marks_and_its_name() {
-        let all = [series("2 mm/s, 15 %", 0.25), series("2 mm/s, 40 %", 0.3)];
-        let svg = flat_friction("t", &all).unwrap();
-        // Two marks and two rings per condition, two marks and one ring in the legend; none is drawn at zero.
-        assert_eq!(svg.matches("<circle").count(), 2 * (2 + 2) + 2 + 1);
-        for text in ["2 mm/s, 15 %", "2 mm/s, 40 %", "fitted model", "0.26"] {
-            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
-        }
-        assert!(!svg.contains("\n0.00\n"));
-    }
-
-    #[test]
-    fn every_residual_has_its_mark_and_its_name() {
-        let residual = |label: &str, value| (label.to_owned(), Estimate { value, error: Some(0.002) });
-        let svg = residuals("t", &[residual("50 N", 0.001), residual("100 N", -0.002)]).unwrap();
-        assert_eq!(svg.matches("<circle").count(), 3);
-        assert!(svg.contains("\n1 50 N\n") && svg.contains("\n2 100 N\n"));
-    }
-
     #[test]
     fn absent_ratios_are_left_out() {
         let some = |value| Some(Estimate { value, error: Some(0.02) });
@@ -240,9 +210,6 @@ mod tests {
         let svg = ratios("Ratios", &[0.65, 1.3, 2.6], &series).unwrap();
         // The first series has circles: two marks and one in the legend.
         assert_eq!(svg.matches("<circle").count(), 3);
-        for text in ["measured", "modelled", "0.65", "1.3", "2.6"] {
-            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
-        }
     }
 
     fn points(rows: [[f64; 3]; 4]) -> Vec<AreaPoint> {
@@ -263,9 +230,6 @@ mod tests {
             area_law("Area law", points, Some([0.7, 0.2]), others)
         };
         let svg = drawn(&own, &[]).unwrap();
-        for text in ["area fraction", "factor f", "P0", "proportional to load", "f ± standard error"] {
-            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
-        }
         assert_eq!(svg.matches("\nnominal pressure (MPa)\n").count(), 1);
         // Four marks in each panel and one in the legend.
         assert_eq!(svg.matches("<circle").count(), 5);
