@@ -196,20 +196,6 @@ mod tests {
                 prop_assert!(largest(&map) < 1e-17, "{form:?}: {}", largest(&map));
             }
         }
-
-        #[test]
-        fn removing_twice_changes_nothing(c in proptest::array::uniform6(-5.0..5.0)) {
-            for form in Form::ALL {
-                let mut map = map(c, &[7]);
-                map.remove_form(form, &Unwatched).unwrap();
-                let once = map.clone();
-                let rms = map.remove_form(form, &Unwatched).unwrap();
-                prop_assert!(rms < 1e-17);
-                for (a, b) in map.heights_m().iter().zip(once.heights_m()) {
-                    prop_assert!(a.is_nan() && b.is_nan() || (a - b).abs() < 1e-17);
-                }
-            }
-        }
     }
 
     #[test]
