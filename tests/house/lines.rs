@@ -25,8 +25,7 @@ const LIMITS: [(&str, usize); 15] = [
 /// Lines of code of the crate `room` outside tests.
 fn lines(room: &str) -> usize {
     let folder = root().join("crates").join(room);
-    let mut files = Vec::new();
-    sources(&folder, &mut files);
+    let mut files = sources(&folder);
     files.retain(|file| !file.strip_prefix(&folder).unwrap().to_string_lossy().contains("test"));
     let of = |file: &std::path::PathBuf| {
         let text = std::fs::read_to_string(file).unwrap();

@@ -4,13 +4,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use crate::rooms::root;
+
 /// Target folder of cargo.
 fn target() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().to_owned()
 }
 
 fn example() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("crates/design/examples/design_job")
+    root().join("crates/design/examples/design_job")
 }
 
 /// Runs `program` to the end and with cancellation, and checks the files that it wrote.
@@ -70,7 +72,6 @@ fn a_program_outside_does_the_main_job_and_cancels_it() {
 /// updated with this one, but cargo with `--locked` refuses it if a dependency is missing.
 #[test]
 fn the_lock_file_outside_has_what_the_crates_depend_on() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let table = |path: PathBuf| -> toml::Table {
         fs::read_to_string(&path).unwrap().parse().unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     };
@@ -83,7 +84,7 @@ fn the_lock_file_outside_has_what_the_crates_depend_on() {
             .map_or(Vec::new(), |all| all.as_array().unwrap().iter().map(|one| one.as_str().unwrap()).collect());
         // Where there are several versions, the version stands after the name.
         let is_listed = |needed: &str| listed.iter().any(|one| one.split(' ').next() == Some(needed));
-        let manifest = table(root.join("crates").join(folder).join("Cargo.toml"));
+        let manifest = table(root().join("crates").join(folder).join("Cargo.toml"));
         let needed = manifest.get("dependencies").and_then(toml::Value::as_table);
         let is_optional = |value: &toml::Value| value.get("optional").and_then(toml::Value::as_bool) == Some(true);
         for (needed, _) in needed.into_iter().flatten().filter(|(_, value)| !is_optional(value)) {

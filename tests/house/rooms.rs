@@ -20,8 +20,6 @@ const CELLAR: &str = "io/src/disk";
 const BOOK: [&str; 2] = ["book", "checks"];
 /// Crate of the Python front end, which accesses files, threads and signals of Python's process.
 const PYTHON: &str = "python";
-/// Upper limit of the number of lines of the command line.
-const MAX_LINES: usize = 4000;
 /// Code that accesses files, clocks, the environment, the console, processes, or the global thread pool.
 const OUTSIDE: [&str; 22] = [
     "std::fs",
@@ -52,16 +50,11 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
-/// Collects all Rust files below `folder`.
-pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        if path.is_dir() {
-            sources(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            found.push(path);
-        }
-    }
+/// All Rust files below `folder`.
+pub fn sources(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let below = |path: PathBuf| if path.is_dir() { sources(&path) } else { vec![path] };
+    entries.flat_map(below).filter(|path| path.extension().is_some_and(|extension| extension == "rs")).collect()
 }
 
 /// Lines of `text`, numbered from 1, without comments and without items that are compiled only for tests. In formatted
@@ -90,23 +83,26 @@ fn only_what_is_compiled_for_tests_alone_is_left_unread() {
     assert_eq!(code(text), [(1, "use a;"), (4, "fn b() {} "), (5, "impl D {"), (10, "}"), (15, "fn h() {}")]);
 }
 
+/// Asserts that no code of `files` contains one of `words`.
+fn forbid(files: &[PathBuf], words: &[&str], advice: &str) {
+    assert!(!files.is_empty(), "{words:?}");
+    for file in files {
+        for (line, code) in code(&fs::read_to_string(file).unwrap()) {
+            let found = words.iter().find(|word| code.contains(*word));
+            assert!(found.is_none(), "{}:{line}: {}{advice}", file.display(), found.unwrap_or(&""));
+        }
+    }
+}
+
 #[test]
 fn libraries_touch_nothing_outside() {
     for room in ROOMS.into_iter().filter(|room| ![FRONT_DOOR, PAGE, PYTHON].contains(room)) {
-        let mut files = Vec::new();
         let folder = root().join("crates").join(room).join(if room == BOOK[0] { BOOK[1] } else { "src" });
-        sources(&folder, &mut files);
+        let mut files = sources(&folder);
         // The folder of the checkout itself may be called anything.
         files.retain(|file| !file.strip_prefix(&folder).unwrap().to_string_lossy().contains("test"));
         files.retain(|file| !file.starts_with(root().join("crates").join(CELLAR)));
-        assert!(!files.is_empty(), "{room}");
-        for file in &files {
-            let text = fs::read_to_string(file).unwrap();
-            for (line, code) in code(&text) {
-                let touched = OUTSIDE.into_iter().find(|outside| code.contains(outside));
-                assert!(touched.is_none(), "{}:{line}: {}", file.display(), touched.unwrap_or_default());
-            }
-        }
+        forbid(&files, &OUTSIDE, "");
     }
 }
 
@@ -133,30 +129,13 @@ const DETACHING: [&str; 3] = ["threads.rs", "progress.rs", "output.rs"];
 fn nothing_uses_a_pool_that_no_front_door_has_made() {
     let crates = root().join("crates");
     for place in WITHOUT_THREADS.map(|place| crates.join(place)) {
-        let mut files = if place.is_file() { vec![place.clone()] } else { Vec::new() };
-        sources(&place, &mut files);
-        assert!(!files.is_empty(), "{}", place.display());
-        for file in files {
-            let text = fs::read_to_string(&file).unwrap();
-            for (line, code) in code(&text) {
-                assert!(!code.contains("rayon"), "{}:{line}", file.display());
-            }
-        }
+        let files = if place.is_file() { vec![place] } else { sources(&place) };
+        forbid(&files, &["rayon"], "");
     }
-    let mut files = Vec::new();
-    sources(&crates.join(PYTHON).join("src"), &mut files);
+    let mut files = sources(&crates.join(PYTHON).join("src"));
     files.retain(|file| !DETACHING.iter().any(|name| file.ends_with(name)));
     assert!(files.len() > DETACHING.len());
-    for file in files {
-        let text = fs::read_to_string(&file).unwrap();
-        for (line, code) in code(&text) {
-            assert!(
-                !code.contains(".detach("),
-                "{}:{line}: expected threads::detached or threads::in_pool",
-                file.display()
-            );
-        }
-    }
+    forbid(&files, &[".detach("], ": expected threads::detached or threads::in_pool");
 }
 
 #[test]
@@ -193,28 +172,10 @@ const DIMENSIONS: [&str; 8] = [
 
 #[test]
 fn only_the_physics_decides_in_how_many_dimensions() {
-    let physics = root().join("crates/model/src/springblock");
-    for room in ROOMS {
-        let mut files = Vec::new();
-        sources(&root().join("crates").join(room).join("src"), &mut files);
-        files.retain(|file| !file.starts_with(&physics));
-        files.retain(|file| !file.ends_with("tests.rs"));
-        for file in &files {
-            let text = fs::read_to_string(file).unwrap();
-            for (line, code) in code(&text) {
-                let decided = DIMENSIONS.into_iter().find(|words| code.contains(words));
-                assert!(decided.is_none(), "{}:{line}: {}", file.display(), decided.unwrap_or_default());
-            }
-        }
-    }
-}
-
-#[test]
-fn the_command_line_stays_small() {
-    let mut files = Vec::new();
-    sources(&root().join("crates").join(FRONT_DOOR).join("src"), &mut files);
-    let lines: usize = files.iter().map(|file| fs::read_to_string(file).unwrap().lines().count()).sum();
-    assert!(lines < MAX_LINES, "{lines} lines in the command line");
+    let mut files: Vec<PathBuf> =
+        ROOMS.iter().flat_map(|room| sources(&root().join("crates").join(room).join("src"))).collect();
+    files.retain(|file| !file.starts_with(root().join("crates/model/src/springblock")) && !file.ends_with("tests.rs"));
+    forbid(&files, &DIMENSIONS, "");
 }
 
 /// Versions of every package in the lock file of `workspace`, by name.
