@@ -12,6 +12,7 @@ mod bidi;
 mod devtools;
 mod pages;
 mod studio;
+mod wire;
 
 use std::fs;
 use std::path::Path;
@@ -30,12 +31,6 @@ trait Page {
     fn click(&mut self, x: f64, y: f64);
     /// Unexpected events of the page: exceptions, console messages, and network requests.
     fn complaints(&self) -> Vec<String>;
-}
-
-/// Whether a page whose own addresses begin with `own` may ask for `url`. A file asks for itself alone.
-fn is_allowed(url: &str, own: &str) -> bool {
-    let is_own = url.starts_with(own) && (!url.starts_with("file://") || url.ends_with(".html"));
-    is_own || url.starts_with("data:") || url.starts_with("blob:")
 }
 
 /// Design that is found in seconds, with a name that is a script unless it is escaped.
@@ -82,10 +77,10 @@ depth_std_um = 1.0
 /// change in time computed for its texture.
 const AS_CUT: f64 = 0.01;
 
+/// Exit code of the program, and what it wrote.
 fn slipgrid(args: &[&str]) -> (u8, String) {
-    let (mut out, mut err) = (Vec::new(), Vec::new());
-    let code = slipgrid_cli::run([&["slipgrid", "--quiet"], args].concat(), &mut out, &mut err);
-    (code, String::from_utf8(out).unwrap() + &String::from_utf8(err).unwrap())
+    let (code, out, err) = slipgrid_tests::slipgrid(&[&["--quiet"], args].concat());
+    (code, out + &err)
 }
 
 fn number(value: &Value) -> f64 {

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -33,10 +33,6 @@ window.drop = (selector, files) => { const zone = document.querySelector(selecto
   zone.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true })); return true; };
 window.says = (text) => document.body.textContent.includes(text);
 return true; })()";
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
-}
 
 /// The program beside the tests.
 fn program() -> Command {
@@ -150,7 +146,7 @@ fn a_laboratory_works_without_a_terminal() {
 
 /// The whole loop in an empty folder.
 fn works(page: &mut dyn Page, folder: &Path) {
-    let raw = root().join("calibration/synthetic-polymer/traces");
+    let raw = slipgrid_tests::repository().join("calibration/synthetic-polymer/traces");
     let text = |name: &str| fs::read_to_string(raw.join(name)).unwrap();
     let file = |path: &str| fs::read_to_string(folder.join(path)).unwrap();
     page.ask(HAND);
