@@ -26,7 +26,6 @@ pub mod body;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::material::LocalFriction;
 use crate::pattern::{Pattern, Planform};
 use rayon::prelude::*;
 
@@ -291,11 +290,11 @@ fn parts_friction(
     (0..scene.loads.len()).map(|place| friction.force(place, parts.iter().copied())).collect()
 }
 
-/// `load` with the nearest power of sqrt(2) as its coefficient. Friction is nearly proportional to the coefficient, so
-/// that loads at one pressure with similar coefficients share their cells (`shared_cells_give_the_change_of_each_load`).
-fn at_reference(load: &Load) -> Load {
-    let mu = libm::exp2(0.5 * (2.0 * libm::log2(load.friction.dynamic_mean())).round());
-    Load { friction: LocalFriction::new(mu, mu, 0.0).unwrap_or(load.friction), ..*load }
+/// Those of `loads` at the pressure of `load` with the least and the greatest coefficient.
+fn bounds<'a>(loads: &'a [Load], load: &'a Load) -> [&'a Load; 2] {
+    let alike = || loads.iter().filter(|other| other.pressure_pa == load.pressure_pa);
+    let order = |a: &&Load, b: &&Load| a.friction.dynamic_mean().total_cmp(&b.friction.dynamic_mean());
+    [alike().min_by(order), alike().max_by(order)].map(|found| found.unwrap_or(load))
 }
 
 /// Friction coefficient of cells of one pattern, or of solid parts, as a function of pressure.
@@ -324,8 +323,10 @@ impl<'a> CellFriction<'a> {
         let (least, most) = range.fold((f64::INFINITY, 0.0_f64), |(least, most), at| (least.min(at), most.max(at)));
         let steps = ((most - least) / PRESSURE_STEP).ceil() as usize;
         let step = (most - least) / steps.max(1) as f64;
-        let mut different: Vec<Load> = Vec::new();
-        for load in scene.loads.iter().map(at_reference) {
+        // Of loads at one pressure, cells are solved at the bounds of the coefficient; friction is interpolated between
+        // them (`loads_between_others_have_the_change_of_their_own`).
+        let mut different: Vec<&Load> = Vec::new();
+        for load in scene.loads.iter().flat_map(|load| bounds(&scene.loads, load)) {
             if !different.contains(&load) {
                 different.push(load);
             }
@@ -334,7 +335,7 @@ impl<'a> CellFriction<'a> {
             let at = |number: usize| Load { pressure_pa: load.pressure_pa * (least + step * number as f64), ..*load };
             (0..=steps).map(at).collect()
         };
-        let loads: Vec<Load> = different.iter().flat_map(at_pressures).collect();
+        let loads: Vec<Load> = different.iter().copied().flat_map(at_pressures).collect();
         let solved: Vec<Option<f64>> = if let Some((pattern, dimension)) = cell {
             let cell = SteadyCell::with_dimension(&Scene { loads: loads.clone(), ..scene.clone() }, dimension);
             let outcomes = cell.solve_heeding(pattern, monitor);
@@ -346,13 +347,18 @@ impl<'a> CellFriction<'a> {
         } else {
             loads.iter().map(|load| Some(load.flat_mu(scene.area_law.as_ref()))).collect()
         };
-        let scaled = |load: &Load| {
-            let own = at_reference(load);
-            let times = load.friction.dynamic_mean() / own.friction.dynamic_mean();
-            let found = different.iter().zip(solved.chunks_exact(steps + 1)).find(|(other, _)| **other == own);
-            found.into_iter().flat_map(move |(_, mu)| mu.iter().map(move |mu| Some((*mu)? * times)))
+        let solved_at = |load: &Load| -> &[Option<f64>] {
+            let place = different.iter().position(|other| *other == load).unwrap_or(0);
+            &solved[place * (steps + 1)..][..=steps]
         };
-        let mu = scene.loads.iter().flat_map(scaled).collect();
+        let between = |load: &Load| -> Vec<Option<f64>> {
+            let [low, high] = bounds(&scene.loads, load);
+            let [from, own, to] = [low, load, high].map(|load| load.friction.dynamic_mean());
+            let share = if from < to { (own - from) / (to - from) } else { 0.0 };
+            let ends = solved_at(low).iter().zip(solved_at(high));
+            ends.map(|(low, high)| Some((*low)? + share * ((*high)? - (*low)?))).collect()
+        };
+        let mu = scene.loads.iter().flat_map(between).collect();
         Self { loads: &scene.loads, least, step, steps, mu }
     }
 
