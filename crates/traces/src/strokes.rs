@@ -4,10 +4,11 @@
 //! friction is taken in the middle of every stroke, as half the width of the friction loop of two successive strokes,
 //!
 //! ```text
-//! mu_k = |m_k - m_(k+1)| / 2,     m_k = mean of F / N over the middle of stroke k, with its sign
+//! mu_k = |F_k - F_(k+1)| / (N_k + N_(k+1)),     F_k, N_k = means over the middle of stroke k, F with its sign
 //! ```
 //!
-//! so that an offset of the force sensor and a tilt of the sample along the stroke cancel.
+//! so that an offset of the force sensor and a tilt of the sample along the stroke cancel, also where the normal force
+//! depends on the direction.
 
 use super::time_series::{mean_between, median};
 use crate::checks::{MAX_OPPOSITE_SIGN, MIN_SAMPLES, no_friction, samples_between};
@@ -25,18 +26,27 @@ const MAX_DURATION_DEVIATION: f64 = 0.3;
 /// An offset of friction between the two sliding directions is flagged if it exceeds this fraction of mean friction.
 const MAX_STROKE_OFFSET: f64 = 0.05;
 
-/// A stroke: beginning and end, in seconds since the trace begins, and mean friction coefficient with its sign.
+/// A stroke: beginning and end, in seconds since the trace begins, and means of friction signal, with its sign, and of
+/// the load by which it is divided.
 struct Stroke {
     from_s: f64,
     to_s: f64,
-    mu: f64,
+    friction: f64,
+    load: f64,
+}
+
+impl Stroke {
+    fn mu(&self) -> f64 {
+        self.friction / self.load
+    }
 }
 
 /// Returns times, in seconds since the trace begins, and friction coefficients: one per pair of successive strokes, or
-/// one per stroke if the sign was not recorded. `share` is the central fraction of a stroke that is used.
+/// one per stroke if the sign was not recorded. `mu` is friction over `load`, sample by sample; `share` is the central
+/// fraction of a stroke that is used.
 pub(super) fn friction_of_strokes(
     time_s: &[f64],
-    mu: &[f64],
+    [mu, load]: [&[f64]; 2],
     window_s: [f64; 2],
     share: f64,
     flags: &mut Vec<TraceFlag>,
@@ -55,12 +65,13 @@ pub(super) fn friction_of_strokes(
     if usual.abs() < MIN_FRICTION {
         return Err(no_friction(usual));
     }
-    let strokes = strokes(time_s, mu, [middle, usual], signed, share)?;
+    let strokes = strokes(time_s, [mu, load], [middle, usual], signed, share)?;
     let (times, friction): (Vec<f64>, Vec<f64>) = if signed {
-        strokes.windows(2).map(|pair| (pair[0].to_s, (pair[0].mu - pair[1].mu).abs() / 2.0)).unzip()
+        let half_width = |a: &Stroke, b: &Stroke| (a.friction - b.friction).abs() / (a.load + b.load);
+        strokes.windows(2).map(|pair| (pair[0].to_s, half_width(&pair[0], &pair[1]))).unzip()
     } else {
         flags.push(TraceFlag::SignNotRecorded);
-        strokes.iter().map(|stroke| ((stroke.from_s + stroke.to_s) / 2.0, stroke.mu.abs())).unzip()
+        strokes.iter().map(|stroke| ((stroke.from_s + stroke.to_s) / 2.0, stroke.mu().abs())).unzip()
     };
     let inside = samples_between(&times, window_s);
     if inside.len() < MIN_SAMPLES {
@@ -82,7 +93,7 @@ pub(super) fn friction_of_strokes(
     }
     if signed {
         let mean = friction[inside.clone()].iter().sum::<f64>() / inside.len() as f64;
-        let offset = in_window.windows(2).map(|pair| (pair[0].mu + pair[1].mu) / 2.0).sum::<f64>()
+        let offset = in_window.windows(2).map(|pair| (pair[0].mu() + pair[1].mu()) / 2.0).sum::<f64>()
             / (in_window.len() - 1) as f64;
         if offset.abs() > MAX_STROKE_OFFSET * mean {
             flags.push(TraceFlag::StrokesDiffer { offset, relative: offset / mean });
@@ -95,7 +106,7 @@ pub(super) fn friction_of_strokes(
 /// `usual` are the middle of the friction loop and half its width; without signs, zero and the median friction.
 fn strokes(
     time_s: &[f64],
-    mu: &[f64],
+    [mu, load]: [&[f64]; 2],
     [middle, usual]: [f64; 2],
     signed: bool,
     share: f64,
@@ -118,6 +129,7 @@ fn strokes(
     }
     let turned_s =
         |before: &(usize, usize, bool), after: &(usize, usize, bool)| (time_s[before.1] + time_s[after.0]) / 2.0;
+    let friction: Vec<f64> = mu.iter().zip(load).map(|(mu, load)| mu * load).collect();
     let mut found = Vec::new();
     for around in runs.windows(3) {
         let [before, own, after] = around else { continue };
@@ -131,7 +143,8 @@ fn strokes(
                  recorded at a higher rate or with a larger `stroke_share`"
             )));
         }
-        found.push(Stroke { from_s, to_s, mu: mean_between(time_s, mu, a, b) });
+        let [friction, load] = [&friction[..], load].map(|values| mean_between(time_s, values, a, b));
+        found.push(Stroke { from_s, to_s, friction, load });
     }
     Ok(found)
 }
@@ -175,6 +188,22 @@ mod tests {
                 [TraceFlag::StrokesDiffer { offset: told, .. }] => assert!(flagged && (told - offset).abs() < 1e-3),
                 other => panic!("{other:?}"),
             }
+        }
+    }
+
+    #[test]
+    fn an_offset_cancels_where_the_load_differs_by_direction() {
+        // Offset of 0.6 N of 20 N, load (1 +- a) 20 N: halves of F / N would be off by a (0.6 / 20) / 0.25 = 1.2 %.
+        for a in [0.0, 0.1, -0.1] {
+            let mut trace = recorded(1e-9, |mu| mu);
+            let Tangential::ForceN(force_n) = &mut trace.tangential else { panic!() };
+            for (force_n, load_n) in force_n.iter_mut().zip(&mut trace.normal_force_n) {
+                let factor = 1.0 + a * force_n.signum();
+                *load_n *= factor;
+                *force_n = *force_n * factor + 0.6;
+            }
+            let found = analyse(&trace, &OPTIONS).unwrap();
+            assert!((found.window.mu - 0.25).abs() < 1e-7, "{a}: {:?}", found.window);
         }
     }
 
