@@ -64,7 +64,7 @@ pub fn friction_loops(channels: &TraceChannels, position_m: &[f64], options: &Tr
     if let Some(span_s) = options.zero_s {
         let zeroed = zero::subtract(channels, &time_s, &inside, span_s, options.window_s[0]);
         let options = TraceOptions { zero_s: None, ..*options };
-        return zeroed.map_or_else(|_| Vec::new(), |(channels, _)| friction_loops(&channels, position_m, &options));
+        return zeroed.map_or_else(|_| Vec::new(), |(channels, ..)| friction_loops(&channels, position_m, &options));
     }
     let tangential = channels.tangential.values();
     let turns = crossings(&time_s[inside.clone()], &position_m[inside.clone()]);

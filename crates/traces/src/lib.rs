@@ -255,8 +255,16 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - channels.start_s).collect();
     let inside = window_samples(&time_s, options.window_s)?;
     if let Some(span_s) = options.zero_s {
-        let (zeroed, zero) = zero::subtract(channels, &time_s, &inside, span_s, options.window_s[0])?;
+        let (zeroed, zero, errors) = zero::subtract(channels, &time_s, &inside, span_s, options.window_s[0])?;
         return analyse(&zeroed, &TraceOptions { zero_s: None, ..*options }).map(|mut found| {
+            let arm =
+                if matches!(channels.tangential, Tangential::TorqueNm(_)) { options.effective_radius_m } else { 1.0 };
+            // Of two strokes the zero of friction cancels.
+            let cancels = options.stroke_share.is_some() && !found.flags.contains(&TraceFlag::SignNotRecorded);
+            let [force, friction] = errors.map(|error| error / found.normal_force_n);
+            let friction = if cancels { 0.0 } else { friction / arm };
+            // mu = (F - F_0) / (N - N_0)
+            found.window.stderr = found.window.stderr.hypot(friction.hypot(found.window.mu * force));
             found.flags.push(TraceFlag::ZeroTaken(zero));
             found
         });

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use slipgrid_base::units::significant;
 
+use super::averaging_window::window_mean;
 use super::time_series::{median, sample_noise};
 use super::{Tangential, TraceChannels, TraceError, UNLOADED_FRACTION, samples_between, sampling_interval};
 
@@ -68,9 +69,9 @@ pub fn of_stated_load() -> TraceError {
     )
 }
 
-/// Subtracts the mean readings over `span_s` from `channels`; returns the result and the zero. `inside` are the samples
-/// of the window, which begins at `window_from_s`; all times except those in `channels` are in seconds since the trace
-/// begins.
+/// Subtracts the mean readings over `span_s` from `channels`; returns the result, the zero, and the standard errors of
+/// its normal force and friction. `inside` are the samples of the window, which begins at `window_from_s`; all times
+/// except those in `channels` are in seconds since the trace begins.
 ///
 /// # Errors
 /// [`TraceError`] if the span is invalid, has too few samples, is under load or in sliding, or if friction is a
@@ -81,7 +82,7 @@ pub fn subtract(
     inside: &Range<usize>,
     span_s: [f64; 2],
     window_from_s: f64,
-) -> Result<(TraceChannels, SensorZero), TraceError> {
+) -> Result<(TraceChannels, SensorZero, [f64; 2]), TraceError> {
     let [from_s, to_s] = span_s;
     if !(from_s >= 0.0 && to_s > from_s && to_s.is_finite()) {
         return Err(TraceError::Refused(format!(
@@ -134,7 +135,9 @@ pub fn subtract(
         },
         normal_force_n: subtract_from(&channels.normal_force_n, zero.force_n),
     };
-    Ok((zeroed, zero))
+    let errors = [&channels.normal_force_n[..], channels.tangential.values()]
+        .map(|values| window_mean(time_s, values, span_s).stderr);
+    Ok((zeroed, zero, errors))
 }
 
 /// Finds a significant sensor offset in a trace that begins before touchdown, by a rule that is equal for all loads.
@@ -230,6 +233,7 @@ fn mean_readings(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::red;
     use crate::{TraceFindings, TraceFlag, TraceOptions, analyse};
     use slipgrid_base::statistics::Noise;
 
@@ -238,13 +242,19 @@ mod tests {
 
     /// The sample hangs free for 4 s, is loaded within 1 s, and slides at 0.25 under `load_n`; the sensors have these
     /// offsets.
-    fn recorded(load_n: f64, [force_n, friction_n]: [f64; 2]) -> TraceChannels {
-        let mut noise = Noise::new(7);
+    fn recorded(load_n: f64, offsets: [f64; 2]) -> TraceChannels {
+        noisy(load_n, offsets, &mut Noise::new(7), 0.0)
+    }
+
+    /// The same with noise of its own, which remembers for `memory_s`.
+    fn noisy(load_n: f64, [force_n, friction_n]: [f64; 2], noise: &mut Noise, memory_s: f64) -> TraceChannels {
         let time_s: Vec<f64> = (0..=800).map(|i| f64::from(i) * 0.05).collect();
-        let load = |t: f64| load_n * (t - FREE_S).clamp(0.0, 1.0);
-        let mut read = |value: f64, offset: f64| value + offset + 0.05 * noise.normal();
-        let normal_force_n = time_s.iter().map(|t| read(load(*t), force_n)).collect();
-        let friction = time_s.iter().map(|t| read(0.25 * load(*t), friction_n)).collect();
+        let mut read = |factor: f64, offset: f64| -> Vec<f64> {
+            let load = |t: f64| load_n * (t - FREE_S).clamp(0.0, 1.0);
+            let noise = red(noise, time_s.len(), 0.05, memory_s);
+            time_s.iter().zip(noise).map(|(t, noise)| factor * load(*t) + offset + 0.05 * noise).collect()
+        };
+        let (normal_force_n, friction) = (read(1.0, force_n), read(0.25, friction_n));
         TraceChannels { time_s, start_s: 0.0, tangential: Tangential::ForceN(friction), normal_force_n }
     }
 
@@ -279,6 +289,38 @@ mod tests {
         }
     }
 
+    /// Without the errors of the zero, coverage is about a half after 2 s.
+    #[test]
+    fn the_error_of_friction_includes_those_of_the_zero() {
+        let mut noise = Noise::new(11);
+        // The scatter of five samples has some four degrees of freedom: 1.96 errors hold 85 to 88 % (Student's t).
+        for (to_s, memory_s, least) in [(2.0, 0.0, 0.92), (3.9, 0.1, 0.92), (0.7, 0.0, 0.92), (0.2, 0.0, 0.82)] {
+            let (mut held, mut stated, mut spread) = (0, 0.0, 0.0);
+            for _ in 0..500 {
+                let found = with(&noisy(60.0, [2.4, 0.8], &mut noise, memory_s), [0.0, to_s]).unwrap().window;
+                held += u32::from((found.mu - 0.25).abs() < 1.96 * found.stderr);
+                (stated, spread) = (stated + found.stderr.powi(2), spread + (found.mu - 0.25).powi(2));
+            }
+            let (held, ratio) = (f64::from(held) / 500.0, (stated / spread).sqrt());
+            assert!(held > least && ratio < 1.8, "zero of {to_s} s, memory of {memory_s} s: {held} {ratio}");
+        }
+    }
+
+    #[test]
+    fn back_and_forth_the_error_of_the_friction_zero_cancels() {
+        let mut trace = recorded(60.0, [0.0, 0.0]);
+        let mut noise = Noise::new(5);
+        let Tangential::ForceN(friction) = &mut trace.tangential else { panic!() };
+        for (t, friction) in trace.time_s.iter().zip(friction) {
+            let side = if t % 1.0 < 0.5 { 1.0 } else { -1.0 };
+            *friction = if *t < FREE_S { noise.normal() } else { side * 15.0 + 0.05 * noise.normal() };
+        }
+        let found = analyse(&trace, &TraceOptions { zero_s: Some([0.0, 3.0]), stroke_share: Some(0.5), ..OPTIONS });
+        // The friction zero is known to 1 N / sqrt(60) = 0.13 N, 0.002 of the load.
+        let window = found.unwrap().window;
+        assert!((window.mu - 0.25).abs() < 2e-4 && window.stderr < 2e-4, "{window:?}");
+    }
+
     #[test]
     fn a_torque_has_its_zero_too_and_a_load_of_either_sign() {
         let channels = recorded(150.0, [2.4, 0.5]);
@@ -291,7 +333,8 @@ mod tests {
         let found =
             analyse(&turned, &TraceOptions { effective_radius_m: 0.04, zero_s: Some([0.0, 3.0]), ..OPTIONS }).unwrap();
         assert!((found.window.mu - with(&channels, [0.0, 3.0]).unwrap().window.mu).abs() < 1e-12);
-        assert!(found.flags.iter().any(|flag| flag.to_string().contains("-2.4") && flag.to_string().contains("N m")));
+        let [TraceFlag::ZeroTaken(zero)] = found.flags[1..] else { panic!("{:?}", found.flags) };
+        assert!((zero.force_n + 2.4).abs() < 0.03 && zero.unit == "N m", "{zero:?}");
     }
 
     #[test]
