@@ -224,7 +224,7 @@ impl Engine for RungeKutta<'_> {
                 sums = self.contact.begin_step(&self.state.v[0], force_x, force_y);
                 for (direction, block) in self.direction.iter_mut().zip(&self.contact.blocks) {
                     // A block without normal pressure at the start has no friction in this step.
-                    let free = block.friction == [0.0];
+                    let free = block.sliding == 0.0;
                     let towards = slip_direction(self.state.v[0][block.column], force_x[block.column]);
                     *direction = if free { 0.0 } else { towards };
                 }
@@ -241,7 +241,7 @@ impl Engine for RungeKutta<'_> {
         std::mem::swap(&mut self.state, &mut self.next);
         for (block, direction) in self.contact.blocks.iter_mut().zip(&self.direction) {
             let i = block.column;
-            if block.motion == Motion::Slip && block.friction != [0.0] && self.state.v[0][i] * direction <= 0.0 {
+            if block.motion == Motion::Slip && block.sliding != 0.0 && self.state.v[0][i] * direction <= 0.0 {
                 #[cfg(test)]
                 self.ledger.stop(self.inverse_mass[i], self.state.v[0][i]);
                 self.state.v[0][i] = 0.0;

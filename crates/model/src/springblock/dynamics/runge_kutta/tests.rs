@@ -7,8 +7,9 @@
 use super::*;
 use crate::material::AreaLaw;
 use crate::springblock::dynamics::contact::LocalLaw;
-use crate::springblock::dynamics::tests::patterned;
+use crate::springblock::dynamics::tests::{patterned, setup};
 use crate::springblock::tests::samples;
+use crate::springblock::{Coefficients, columns};
 
 /// Work since the start, in k l^2.
 #[derive(Clone, Copy, Debug, Default)]
@@ -156,4 +157,22 @@ fn energy_is_never_created_without_drive() {
         }
         assert!(last < first);
     }
+}
+
+#[test]
+fn a_flat_face_that_no_force_moves_rests_until_the_static_threshold() {
+    let lattice = Lattice::new(columns::flat(4), 4, true);
+    let coefficients = vec![Coefficients { static_mu: 0.4, dynamic_mu: 0.27 }; lattice.nx()];
+    let contact = ContactRow::new(lattice.contacts(), &coefficients, LocalLaw::new(None, 1.0));
+    let mut engine = RungeKutta::new(&lattice, Springs::Linear, Setup { contact, ..setup(&lattice, 0.05, 1e-5) });
+    // The load acts from 0 on, and the bulk moves from 60 on.
+    for _ in 0..1200 {
+        engine.step();
+    }
+    engine.begin_drive();
+    let mut most = 0.0_f64;
+    while !engine.all_have_slipped() {
+        most = most.max(engine.step().mu().unwrap());
+    }
+    assert!((0.399..=0.4).contains(&most), "slipped at {most}");
 }
