@@ -198,8 +198,8 @@ impl Cavities {
         let turned = self.0.turned_deg.map(|turn| {
             let angle = fixed(Some(turn.value.abs()), 1);
             format!(
-                "the grid of cavities is turned by {angle} degrees on the map: widths and spacings are those along the map's sides, \
-                 not along the rows"
+                "the cavities are turned by {angle} degrees on the map: widths and spacings are those along the map's sides, \
+                 not along rows or across grooves"
             )
         });
         let scattered = ["x", "y"].into_iter().zip(&self.0.spacing).filter_map(|(axis, spacing)| {
@@ -317,12 +317,14 @@ mod tests {
         let straight = squares(&grid(0.0), 0.0);
         assert_eq!((straight.spacing_warnings().count(), straight.0.staggered.is_none()), (0, true));
         let turned = squares(&grid(8.0), 8.0);
-        assert!(
-            turned.table().contains("\n! the grid of cavities is turned by 8.0 degrees on the map"),
-            "{}",
-            turned.table()
-        );
-        assert!(turned.words().iter().any(|words| words.starts_with("The grid of cavities is turned by 8.0")));
+        assert!(turned.table().contains("\n! the cavities are turned by 8.0 degrees on the map"), "{}", turned.table());
+        assert!(turned.words().iter().any(|words| words.starts_with("The cavities are turned by 8.0")));
+        let slanted = |n: u32| 2.0 * f64::from(n / 300) + 5.0_f64.to_radians().tan() * 2.0 * f64::from(n % 300);
+        let height = |n| if slanted(n).rem_euclid(150.0) < 60.0 { -5e-6 } else { 0.0 };
+        let map = HeightMap::new(300, 300, 2e-6, 2e-6, (0..90_000).map(height).collect()).unwrap();
+        let grooves = Cavities(map.measure_cavities(Form::Plane, &slipgrid_base::monitor::Unwatched).unwrap());
+        let said = grooves.table();
+        assert!(said.contains("\n! the cavities are turned by 5.0 degrees on the map: "), "{said}");
         // Columns of squares at distances of 60, 60 and 300 um.
         let uneven: Vec<[f64; 2]> =
             (0..12).map(|n| [[60.0, 120.0, 180.0, 480.0][n % 4], 100.0 + 150.0 * (n / 4) as f64]).collect();

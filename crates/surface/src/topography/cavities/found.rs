@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
-use slipgrid_base::statistics::median;
+use slipgrid_base::statistics::{mean_and_std, median};
 
 use super::components::{Chord, Regions};
 use super::edge::Edges;
@@ -12,6 +12,8 @@ use super::{MARGIN, RimMetrology, SPECK};
 use crate::topography::form::Form;
 use crate::topography::{HeightMap, MapError};
 
+/// Maximum distance of a length from the median that counts as near it, in pixels: lengths beside a whole number count.
+const NEAR_MEDIAN: f64 = 1.5;
 /// Number of chords between two checks for cancellation.
 const CHORDS_TOGETHER: usize = 64;
 
@@ -171,8 +173,22 @@ impl Found {
             gaps.retain(|pair, _| show_ends(pair));
         }
         gaps.into_iter()
-            .filter_map(|(pair, mut gaps)| median(&mut gaps).map(|gap| (pair, gap * self.pixel_m[axis])))
+            .filter_map(|(pair, mut gaps)| {
+                self.typical(pair[0] as usize, &mut gaps).map(|gap| (pair, gap * self.pixel_m[axis]))
+            })
             .collect()
+    }
+
+    /// Median of `lengths` on lines across `region` or beside it, in pixels, for grooves the mean of those near the median;
+    /// `None` without lengths. Of walls within a pixel lengths are whole numbers, and so is their median.
+    pub(super) fn typical(&self, region: usize, lengths: &mut [f64]) -> Option<f64> {
+        let middle = median(lengths)?;
+        // Corners shorten the lines beside them.
+        if self.is_whole(region) {
+            return Some(middle);
+        }
+        let near = lengths.iter().copied().filter(|length| (length - middle).abs() < NEAR_MEDIAN);
+        mean_and_std(near).map(|(mean, _)| mean)
     }
 
     /// Centre of every region along an axis, by label: the median of the middles of its chords, in metres; NaN if the

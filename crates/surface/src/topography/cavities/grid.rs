@@ -7,6 +7,7 @@ use slipgrid_base::statistics::{mean_and_std, median};
 use slipgrid_model::pattern::Arrangement;
 
 use super::found::Found;
+use super::period::middle_line;
 use super::{Estimate, Spread};
 
 /// Rows are staggered if at least this fraction of the pairs in neighbouring rows is shifted by half a pitch.
@@ -176,6 +177,22 @@ impl Grid {
     }
 }
 
+/// Rotation of grooves on the map, in degrees from x towards y; `None` if they are not rotated.
+pub(super) fn grooves_turned_deg(found: &Found) -> Option<Estimate> {
+    let turns_deg = [0, 1].into_iter().flat_map(|axis| {
+        let is_groove = move |region: &usize| found.counts(axis, *region) && !found.counts(1 - axis, *region);
+        let grooves = (1..=found.regions.count()).filter(is_groove);
+        grooves.map(move |groove| {
+            let turn_deg = libm::atan(middle_line(found, axis, groove)[1] / found.pixel_m[1 - axis]).to_degrees();
+            // Grooves along y turn against dx/dy.
+            if axis == 0 { -turn_deg } else { turn_deg }
+        })
+    });
+    let turns_deg: Vec<f64> = turns_deg.collect();
+    Estimate::mean(turns_deg.iter().copied())
+        .filter(|turn| turn.value.abs() >= MIN_TURN_DEG.max(MIN_ERRORS * turn.error.unwrap_or_default()))
+}
+
 #[cfg(test)]
 mod tests {
     use slipgrid_base::monitor::Unwatched;
@@ -267,6 +284,24 @@ mod tests {
         for (shift, turn_deg) in [(0.0, 0.0), (0.3, 0.0), (0.0, 24.0)] {
             let cut = Cut { width_um: [90.0; 2], pitch_um: [200.0, 150.0], shift, turn_deg, ..STAGGERED };
             assert_eq!(cut.measured().staggered, None, "{shift} {turn_deg}");
+        }
+    }
+
+    #[test]
+    fn turned_grooves_have_their_angle() {
+        for turn_deg in [-20.0, -7.0, 0.0, 0.5, 2.0, 7.0] {
+            let cut = Cut { width_um: [90.0, 1e9], pitch_um: [200.0, 1e6], shift: 0.0, turn_deg, ..STAGGERED };
+            let map = cut.map();
+            // The transposed map is mirrored.
+            for (map, sign) in [(map.transposed(), -1.0), (map, 1.0)] {
+                let turned_deg = map.measure_cavities(Form::Plane, &Unwatched).unwrap().turned_deg;
+                if turn_deg.abs() < 1.0 {
+                    assert_eq!(turned_deg, None);
+                } else {
+                    let value = sign * turned_deg.unwrap().value;
+                    assert!((value - turn_deg).abs() < 0.02, "{turn_deg}: {value}");
+                }
+            }
         }
     }
 

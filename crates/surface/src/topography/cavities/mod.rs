@@ -2,8 +2,8 @@
 //!
 //! The form is fitted to the land only, which is the upper of two groups of heights. A cavity is a connected region
 //! below half depth. Its width along an axis is the median of the chords that lines cut out of it; the spacing is the
-//! median gap to the next cavity on the same lines. Edges are interpolated between pixels where the height crosses the
-//! cavity's own half depth. For round cavities the width is the diameter of the disc (or ellipse) with the same area at
+//! median gap to the next cavity on the same lines. Of grooves both are means near the median. Edges are interpolated
+//! between pixels where the height crosses the cavity's own half depth. For round cavities the width is the diameter of the disc (or ellipse) with the same area at
 //! half depth, and the spacing is the distance of neighbouring centres minus the diameter. Cavities cut by the map's
 //! sides have no width, and their spacing counts only if no whole cavities face each other. If every second row is
 //! shifted by half a pitch, the spacing across the rows is the land to the next row ([`StaggeredRows`]).
@@ -45,7 +45,7 @@ use found::{Floor, Found};
 use grid::Grid;
 use scene::Scene;
 use slipgrid_base::monitor::{Cancelled, Monitor};
-use slipgrid_base::statistics::{mean_and_std, median};
+use slipgrid_base::statistics::mean_and_std;
 use walls::Walls;
 
 pub use crossing::Crossing;
@@ -137,8 +137,8 @@ pub struct CavityMetrology {
     pub spacing: [Option<Spread>; 2],
     /// Staggered rows; `None` unless every second row of cavities is shifted by half a pitch.
     pub staggered: Option<StaggeredRows>,
-    /// Rotation of a rectangular grid of cavities on the map, in degrees from x towards y; `None` below 1 degree, or if
-    /// it cannot be determined.
+    /// Rotation of a rectangular grid of cavities, or of grooves, on the map, in degrees from x towards y; `None` below
+    /// 1 degree, or if it cannot be determined.
     pub turned_deg: Option<Estimate>,
     /// Whether the cavities are round, so that widths are diameters of discs with the same area at half depth, not
     /// median chords.
@@ -233,7 +233,8 @@ impl Sought {
             .map(|region| {
                 [0, 1].map(|axis| {
                     let mut lengths = found.along[axis][region].lengths.clone();
-                    let width = median(&mut lengths).filter(|_| region > 0 && found.counts(axis, region));
+                    let width =
+                        found.typical(region, &mut lengths).filter(|_| region > 0 && found.counts(axis, region));
                     width.map(|length| length * found.pixel_m[axis])
                 })
             })
@@ -245,6 +246,7 @@ impl Sought {
         let edges = found.edges(monitor)?;
         let mean_width_m = least_m(widths).unwrap_or(0.0);
         let walls = walls::measure(found, &edges, &counts, mean_width_m, monitor)?;
+        let least_pixel_m = found.pixel_m[0].min(found.pixel_m[1]);
         let scene = Scene {
             edges: &edges,
             height_m: &found.land.height_m,
@@ -252,6 +254,7 @@ impl Sought {
             threshold_m: found.land.threshold_m,
             counts: &counts,
             pixel_m: found.pixel_m,
+            bin_m: edges.points.iter().map(|edge| found.pixel_m[edge.axis]).fold(least_pixel_m, f64::max),
             start_m: walls.top_m,
             width_m: mean_width_m,
             spacing_m: least_m(spacing),
@@ -306,7 +309,7 @@ fn measure(found: &Found, sought: Sought, monitor: &dyn Monitor) -> Result<Cavit
         width: [spread(&|cavity| cavity.width_m[0]), spread(&|cavity| cavity.width_m[1])],
         spacing,
         staggered,
-        turned_deg: grid.turned_deg(),
+        turned_deg: grid.turned_deg().or_else(|| grid::grooves_turned_deg(found)),
         round: diameters_m.is_some(),
         depth,
         area_fraction: regions.points.iter().sum::<usize>() as f64 / regions.label.len() as f64,

@@ -127,6 +127,12 @@ fn middles(found: &Found, axis: usize, region: usize) -> impl Iterator<Item = (f
     })
 }
 
+/// Middle line of a groove whose width lies along `axis`: position in metres at a pixel line, `[a, b]` of a + b line.
+pub(super) fn middle_line(found: &Found, axis: usize, groove: usize) -> [f64; 2] {
+    let points: Vec<(f64, f64)> = middles(found, axis, groove).collect();
+    line_through(points.iter().copied())
+}
+
 /// Fits the least-squares line y = a + b x to `points`; returns `[a, b]`.
 pub(super) fn line_through(points: impl Iterator<Item = (f64, f64)> + Clone) -> [f64; 2] {
     let count = points.clone().count() as f64;
@@ -208,12 +214,10 @@ fn of_grooves(
 ) -> Result<MeanPeriod, MapError> {
     let rows = found.land.height_m.len() / found.cols();
     let lines = if axis == 0 { found.cols() } else { rows };
-    // Middle line of each groove: a + b line.
-    let middle_line = |&groove: &usize| {
-        let points: Vec<(f64, f64)> = middles(found, axis, groove).collect();
-        line_through(points.iter().copied())
-    };
-    let middle: Vec<[f64; 2]> = grooves.iter().map(middle_line).collect();
+    let middle: Vec<[f64; 2]> = grooves.iter().map(|&groove| middle_line(found, axis, groove)).collect();
+    // Turned grooves are longer along the axis than across, by 1 / cos.
+    let slope = middle.iter().map(|[_, b]| b).sum::<f64>() / (middle.len() as f64 * found.pixel_m[1 - axis]);
+    let stretch = slope.hypot(1.0);
     let mut centers: Vec<f64> = middle.iter().map(|[a, b]| a + b * 0.5 * (lines - 1) as f64).collect();
     centers.sort_by(f64::total_cmp);
     let mut gaps: Vec<f64> = centers.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -232,14 +236,14 @@ fn of_grooves(
     if places.iter().any(|(index, at_m)| (at_m - first_m - index * pitch_m).abs() > MAX_STRAY * pitch_m) {
         return refuse("grooves stray from even distances by more than a fifth of their pitch");
     }
-    let (count, pixel_m) = pixels(pitch_m, found.pixel_m[axis]);
+    let (count, pixel_m) = pixels(pitch_m / stretch, found.pixel_m[axis]);
     let mut cells = Cells::new(count);
     for [a, b] in middle {
         for line in 0..lines {
             monitor.heed()?;
             let center_m = a + b * line as f64;
             for cell in 0..count {
-                let at = (center_m + (cell as f64 + 0.5) * pixel_m - 0.5 * pitch_m) / found.pixel_m[axis];
+                let at = (center_m + stretch * (cell as f64 + 0.5) * pixel_m - 0.5 * pitch_m) / found.pixel_m[axis];
                 cells.add(cell, found, is_land, if axis == 0 { [at, line as f64] } else { [line as f64, at] });
             }
         }
@@ -411,6 +415,25 @@ mod tests {
         assert_eq!(other.arrangement, Arrangement::GroovesAlongX);
         for (found, expected) in other.map.heights_m().iter().zip(period.map.transposed().heights_m()) {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn turned_grooves_have_the_pitch_and_the_profile_across_them() {
+        for turn_deg in [0.0_f64, 7.0, -20.0] {
+            let (sin, cos) = turn_deg.to_radians().sin_cos();
+            let height = |n: usize| {
+                let across_um = 2.0 * (cos * (n / 512) as f64 + sin * (n % 512) as f64);
+                let inside_um = 40.0 - (across_um.rem_euclid(200.0) - 100.0).abs();
+                -8e-6 * (inside_um / 10.0 + 0.5).clamp(0.0, 1.0)
+            };
+            let map = HeightMap::new(512, 512, 2e-6, 2e-6, (0..512 * 512).map(height).collect()).unwrap();
+            let period = map.mean_cavity_period(Form::Plane, &Unwatched).unwrap().map;
+            let side_um = period.rows() as f64 * period.dx_m() * 1e6;
+            assert!((side_um - 200.0).abs() < 0.02, "{turn_deg}: {side_um}");
+            // The mean height is the depth over the share of the groove, from the land at 0.
+            let mean_um = 1e6 * period.heights_m().iter().sum::<f64>() / period.heights_m().len() as f64;
+            assert!((mean_um + 8.0 * 80.0 / 200.0).abs() < 0.01, "{turn_deg}: {mean_um}");
         }
     }
 

@@ -274,3 +274,17 @@ fn a_relief_that_is_no_rim_has_no_height_of_one() {
     assert_eq!((rim.height_m, rim.unknown), (None, Some(RimUnknown::Misfit)), "{:?}", rim.width_m);
     assert!(!rim.edge_profile.is_empty());
 }
+
+#[test]
+fn rims_of_grooves_across_the_fine_side_of_oblong_pixels_are_measured() {
+    // A rim of 10 fine pixels, and of 3.3 coarse ones.
+    let noise = |n: usize| (splitmix64(n as u64) >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
+    let mut map = HeightMap::new(800, 150, 2e-6, 6e-6, (0..120_000).map(|n| 0.2e-6 * noise(n)).collect()).unwrap();
+    let rim = rim(0.4, 20.0, RimProfile::Round, 0.0);
+    map.cut_cavities(&CutPattern { shape: CutShape::Groove, wall_m: 12e-6, rim, ..PATTERN }).unwrap();
+    for map in [map.transposed(), map] {
+        let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap().rim;
+        agrees(found.height_m, 0.4e-6, "height");
+        agrees(found.width_m, 20e-6, "width");
+    }
+}

@@ -149,7 +149,7 @@ struct Profile {
 
 impl Profile {
     fn gather(scene: &Scene<'_>, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
-        let (bin_m, reach_m) = (scene.bin_m(), scene.reach_m());
+        let (bin_m, reach_m) = (scene.bin_m, scene.reach_m());
         let first_m = scene.start_m + bin_m;
         // The cast saturates at zero.
         let count = (((reach_m - first_m) / bin_m) as usize).min(MAX_BINS);
@@ -302,7 +302,7 @@ pub(super) fn measure(
             return Ok((RimMetrology { unknown: Some(RimUnknown::NoLand), ..nothing }, BTreeMap::new()));
         }
         // A width selected from noise would exaggerate the height; a nominal width does not.
-        let width_m = (NOMINAL_WIDTH * scene.width_m).clamp(MIN_WIDTH * scene.bin_m(), fit.most_width_m);
+        let width_m = (NOMINAL_WIDTH * scene.width_m).clamp(MIN_WIDTH * scene.bin_m, fit.most_width_m);
         let values = fit.values(scene, &profile, RimProfile::Round, width_m);
         let shape = fit.kriging.shape(&values);
         if !shape.is_determined() {
@@ -323,7 +323,7 @@ pub(super) fn measure(
     let edge_profile = edge_profile(level_m(&values, height_m));
     let unknown = if best.width_m > fit.most_width_m {
         Some(RimUnknown::NoLand)
-    } else if best.width_m < (MIN_TOLD_WIDTH - 0.5 * WIDTH_STEP) * scene.bin_m() {
+    } else if best.width_m < (MIN_TOLD_WIDTH - 0.5 * WIDTH_STEP) * scene.bin_m {
         Some(RimUnknown::TooSmall)
     } else {
         let misfit = fit.kriging.misfit(&best.shape, &ready, profile.stretches.len());
@@ -339,7 +339,7 @@ pub(super) fn measure(
         unknown: None,
         height_std_m: heights.std_m(),
         side_std_m: heights.side_std_m(),
-        width_m: Some(Estimate { value: best.width_m, error: Some(width_error_m.max(WIDTH_STEP * scene.bin_m())) }),
+        width_m: Some(Estimate { value: best.width_m, error: Some(width_error_m.max(WIDTH_STEP * scene.bin_m)) }),
         profile: Some(best.profile),
         share_of_edge: share_of_edge(scene, best.profile, best.width_m, monitor)?,
         edge_profile,
@@ -358,7 +358,7 @@ struct Fit {
 impl Fit {
     fn new(scene: &Scene<'_>, profile: &Profile) -> Option<Self> {
         let last_m = *profile.distance_m.last()?;
-        let bin_m = scene.bin_m();
+        let bin_m = scene.bin_m;
         let land_m = last_m - scene.start_m;
         let most_width_m = MAX_WIDTH * land_m;
         if most_width_m <= MIN_WIDTH * bin_m {
@@ -387,7 +387,7 @@ impl Fit {
 
     /// Heights of a rim of height 1 in the bins of `profile`: means over a pixel around each of their points.
     fn values(&self, scene: &Scene<'_>, profile: &Profile, shape: RimProfile, width_m: f64) -> Vec<f64> {
-        let half_m = 0.5 * scene.bin_m();
+        let half_m = 0.5 * scene.bin_m;
         let mean = |[share, at_m]: &[f64; 2]| share * shape.mean(width_m, at_m - half_m, at_m + half_m);
         profile.parts.iter().map(|parts| parts.iter().map(mean).sum()).collect()
     }

@@ -21,6 +21,8 @@ pub(super) struct Scene<'a> {
     /// Whether the edges of each region, by label, are used.
     pub(super) counts: &'a [bool],
     pub(super) pixel_m: [f64; 2],
+    /// Size of a bin: the side of a pixel along which lines cross the edges, the larger one if they do along both.
+    pub(super) bin_m: f64,
     /// Distance from the cavity's edge, which is taken at half depth, to the start of the rim.
     pub(super) start_m: f64,
     /// Mean width of the cavities, the smaller of those along x and y.
@@ -30,15 +32,10 @@ pub(super) struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// Size of a bin: the larger side of a pixel.
-    pub(super) fn bin_m(&self) -> f64 {
-        self.pixel_m[0].max(self.pixel_m[1])
-    }
-
     /// Reach of profiles from the edge, in metres: half-way to the next cavity, at most two widths and [`MAX_BINS`]
     /// bins.
     pub(super) fn reach_m(&self) -> f64 {
-        let beyond_m = self.start_m + self.bin_m() + MAX_BINS as f64 * self.bin_m();
+        let beyond_m = self.start_m + self.bin_m + MAX_BINS as f64 * self.bin_m;
         self.spacing_m.map_or(f64::INFINITY, |spacing_m| 0.5 * spacing_m).min(2.0 * self.width_m).min(beyond_m)
     }
 

@@ -39,7 +39,7 @@ pub(super) fn share_of_edge(
 /// Bands of distances from the edge, in metres: core of the rim, land beyond it, and both moved outward onto the land.
 /// Also returns the mean over the core of a rim of height 1. `None` if there is no land for the moved bands.
 fn bands_m(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<([[f64; 2]; 4], f64)> {
-    let bin_m = scene.bin_m();
+    let bin_m = scene.bin_m;
     // Core of the profile in steps of a hundredth.
     let core: Vec<f64> = (0..=100).map(|n| f64::from(n) / 100.0).filter(|&s| profile.height(s) >= CORE).collect();
     let core_m = [
@@ -61,7 +61,7 @@ fn bands_m(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<([[f6
 /// the core of a rim of height 1.
 fn share_of(scene: &Scene<'_>, sums: &[[Mean; 4]], mean: f64, width_m: f64) -> Option<Estimate> {
     // Pieces of edge are as long as the rim is wide.
-    let piece_m = width_m.max(MIN_PIECE * scene.bin_m());
+    let piece_m = width_m.max(MIN_PIECE * scene.bin_m);
     let mut pieces: Vec<(f64, f64)> = Vec::new();
     let mut land: Vec<f64> = Vec::new();
     let key = |number: usize| {

@@ -172,6 +172,24 @@ fn a_turned_groove_has_its_width_and_depth() {
     }
 }
 
+/// The median of chords is a whole number of pixels, up to half a pixel off.
+#[test]
+fn a_turned_groove_with_vertical_walls_has_its_width() {
+    for width_um in [80.4_f64, 81.0, 81.6] {
+        let (sin, cos) = 3.0_f64.to_radians().sin_cos();
+        let height = |n: usize| {
+            let along_um = 2.0 * (cos * (n / 512) as f64 - sin * (n % 512) as f64);
+            if (along_um.rem_euclid(200.0) - 100.0).abs() < 0.5 * width_um { -8e-6 } else { 0.0 }
+        };
+        let map = HeightMap::new(512, 512, 2e-6, 2e-6, (0..512 * 512).map(height).collect()).unwrap();
+        let found = map.measure_cavities(Form::Plane, &Unwatched).unwrap();
+        let [width_m, spacing_m] = [found.width[0], found.spacing[0]].map(|of| of.unwrap().mean_m);
+        // A tenth of a pixel of 2 um.
+        assert!((width_m * 1e6 - width_um / cos).abs() < 0.2, "{width_um}: {width_m}");
+        assert!((spacing_m * 1e6 - (200.0 - width_um) / cos).abs() < 0.2, "{width_um}: {spacing_m}");
+    }
+}
+
 #[test]
 fn a_curved_specimen_needs_the_second_order() {
     let mut map = rough();
