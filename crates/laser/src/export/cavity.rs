@@ -102,22 +102,18 @@ impl Cavity {
         self.is_plain() && self.crossed_by.is_none() && self.planform.contour() == Contour::Rectangle
     }
 
-    /// Shrinks the cavity to the points at least `wall_m` from its walls and `rim_m` from the border that cuts it, in
-    /// metres; `None` if there are none. A cavity as wide as twice `wall_m` becomes a line.
-    pub fn inset(&self, wall_m: f64, rim_m: f64) -> Option<Self> {
+    /// Shrinks the cavity to the points at least `wall_m` from its walls, in metres; `None` if there are none. A cavity as
+    /// wide as twice `wall_m` becomes a line.
+    pub fn inset(&self, wall_m: f64) -> Option<Self> {
         let less = |extent_m: f64| {
             // Within rounding, a cavity as wide as the inset keeps its middle line.
             let left_m = extent_m - 2.0 * wall_m;
             (left_m >= -1e-9 * extent_m).then_some(left_m.max(0.0))
         };
-        let cut_by = match &self.cut_by {
-            None => None,
-            Some(outline) => Some(outline.inset(rim_m)?),
-        };
         let face = self.face.map(|face| Face { inset_m: face.inset_m + wall_m, ..face });
         // The walls of all families move by the same amount.
         let crossed_by = self.crossed_by.map(|crossing| Crossing { grown_m: crossing.grown_m - wall_m, ..crossing });
-        Some(Self { width_m: less(self.width_m)?, length_m: less(self.length_m)?, cut_by, face, crossed_by, ..*self })
+        Some(Self { width_m: less(self.width_m)?, length_m: less(self.length_m)?, face, crossed_by, ..*self })
     }
 
     /// Distance from a point to the nearest wall, in metres; negative outside the walls. The border of the specimen is

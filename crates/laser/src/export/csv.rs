@@ -86,8 +86,9 @@ pub fn corners_csv(layout: &Layout, to: &mut dyn Write) -> io::Result<()> {
 /// Errors of the writer `to`.
 pub fn hatch_csv(layout: &Layout, marking: &Marking, to: &mut dyn Write) -> io::Result<()> {
     let mut out = "index,line,from_x_mm,from_y_mm,to_x_mm,to_y_mm\n".to_owned();
+    let hatch = marking.on(layout);
     for (index, cavity) in layout.iter().enumerate() {
-        for (line, [from_m, to_m]) in marking.lines(&cavity).iter().enumerate() {
+        for (line, [from_m, to_m]) in hatch.lines(&cavity).iter().enumerate() {
             push_row(&mut out, &[index + 1, line + 1], &[from_m[0], from_m[1], to_m[0], to_m[1]]);
             out.push('\n');
         }

@@ -50,8 +50,9 @@ pub fn gcode(layout: &Layout, plan: &GcodePlan, heading: &Heading, to: &mut dyn 
     // F in mm/min
     let feed = decimal(plan.speed_mm_s * 60.0, 3);
     out.push_str(&format!("G21\nG90\nG17\nM5\nM4 S{FULL_POWER}\nG1 F{feed}\n"));
+    let hatch = plan.marking.on(layout);
     for cavity in layout.iter() {
-        let lines = plan.marking.lines(&cavity);
+        let lines = hatch.lines(&cavity);
         for _ in 0..plan.passes {
             let mut at = None;
             for &[from, end] in &lines {

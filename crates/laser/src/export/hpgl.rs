@@ -37,10 +37,10 @@ pub fn hpgl(layout: &Layout, marking: Option<&Marking>, heading: &Heading, to: &
         }
         flush_full(&mut out, to)?;
     }
-    if let Some(marking) = marking {
+    if let Some(hatch) = marking.map(|marking| marking.on(layout)) {
         out.push_str("SP3;\n");
         for cavity in layout.iter() {
-            for line in marking.lines(&cavity) {
+            for line in hatch.lines(&cavity) {
                 path(&mut out, &line, false);
             }
             flush_full(&mut out, to)?;

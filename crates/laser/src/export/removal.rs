@@ -1,17 +1,17 @@
 //! Depth removed by passes over the lines of a hatch.
 //!
 //! A pulse removes the depth d over the area of the spot, whose diameter is s. Pulses are p = v / f apart (speed v,
-//! repetition rate f) along lines, which stay half a spot inside a cavity's edge. The number of pulses that reach a
-//! point x is the length of the lines within half a spot of x, divided by p. N passes remove the depth z and the volume
-//! V:
+//! repetition rate f) along lines. The number of pulses that reach a point x is the length of the lines within half a
+//! spot of x, divided by p. N passes remove the depth z and the volume V:
 //!
 //! ```text
 //! z(x) = N (d / p) sum over lines of length(line within s/2 of x)
 //! V = integral of z = N (d / p) (pi/4) s^2 L          L: length of all lines
 //! ```
 //!
-//! For an infinite hatch with the line distance h, z is N d (pi/4) s^2 / (p h). In a cavity, depth increases from zero
-//! at the edge over the width of a spot, and evenly spaced lines may be closer than h.
+//! For an infinite hatch with the line distance h, z is N d (pi/4) s^2 / (p h). Depth increases over the width of a
+//! spot across the edge of a cavity, where it is half of that in the middle, and evenly spaced lines may be closer than
+//! h. As measured on a surface, the width is that at half depth, and the depth the mean over the middle third of it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,9 @@ const MIDDLE_RANGE: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 const SAMPLE_POINTS: u32 = 400;
 /// Number of bins of the depth profile between the edge and the middle of a cavity on a process sheet.
 const LISTED_BINS: u32 = 8;
-/// Relative deviation from the depth of the design above which a warning is given.
+/// Number of rounds for width and depth, of which each depends on the other; a round divides errors by ten or more.
+const WIDTH_ROUNDS: u32 = 6;
+/// Relative deviation from width or depth of the design above which a warning is given.
 const WARNED_DEVIATION: f64 = 0.05;
 /// Relative tolerance for equal lengths of lines.
 const LENGTH_TOLERANCE: f64 = 1e-9;
@@ -41,20 +43,24 @@ const MAX_PASSES: f64 = 1e9;
 #[serde(deny_unknown_fields)]
 pub struct Removal {
     /// Passes over every line, chosen for the best match with the depth of the design in the middle third of a cavity's
-    /// width, where depth is measured.
+    /// width at half depth, where depth is measured.
     pub passes: u32,
     /// Depth removed by one pass in the middle third.
     pub depth_per_pass_um: f64,
     /// Depth removed by all passes in the middle third.
     pub depth_um: f64,
-    /// Mean depth over the cavities including edges: removed volume over area.
+    /// Removed volume over the area of the cavities.
     pub mean_depth_um: f64,
-    /// Distance from a cavity's edge over which depth increases from zero to that in the middle: one spot.
+    /// Width that is made, across the lines at half depth.
+    pub width_um: f64,
+    /// Distance over which depth increases from zero to that in the middle: one spot, half of it on either side of a
+    /// cavity's edge.
     pub edge_ramp_um: f64,
     /// Speed at which this number of passes makes the depth of the design; omitted if pulses would be farther apart
     /// than the spot is wide.
     pub speed_for_depth_mm_s: Option<f64>,
-    /// Deviations by more than 5 % from the depth of the design, and areas that the spot does not reach, with remedies.
+    /// Deviations by more than 5 % from width and depth of the design, and areas that the spot does not reach, with
+    /// remedies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
@@ -97,6 +103,18 @@ pub(crate) struct Hatched {
     half_spot_m: f64,
     /// Section of the cavity `one` along which depth is sampled; `None` without such a cavity.
     section: Option<Section>,
+    /// What is made along the section; `None` without depth.
+    made: Option<Made>,
+}
+
+/// A cavity as it is measured along its section.
+struct Made {
+    /// Width at half depth, in metres.
+    width_m: f64,
+    /// Mean length of lines within half a spot of a point in the middle third of this width, in metres.
+    reach_m: f64,
+    /// The middle third, as fractions of the section.
+    middle: [f64; 2],
 }
 
 /// Straight section across a cavity from edge to edge, through the middle of its longest line and at right angles to
@@ -113,9 +131,10 @@ impl Hatched {
         let (mut lines, mut length, mut most_m, mut one) = (0, 0.0, 0.0, None);
         let mut apart_m: Option<[f64; 2]> = None;
         let mut bare = (0, 0.0);
+        let hatch = marking.on(layout);
         for cavity in layout.iter() {
-            let (own, distances_m) = marking.fill(&cavity);
-            for &at_m in &distances_m {
+            let (own, distance_m) = hatch.fill(&cavity);
+            if let Some(at_m) = distance_m {
                 let [least_m, most_m] = apart_m.unwrap_or([at_m; 2]);
                 apart_m = Some([least_m.min(at_m), most_m.max(at_m)]);
             }
@@ -131,32 +150,86 @@ impl Hatched {
         }
         let across = |(cavity, own): &(Cavity, Vec<Line>)| Section::across(cavity, own, marking.direction(cavity));
         let section = one.as_ref().and_then(across);
-        Self { lines, length_m: length, apart_m, bare, one, half_spot_m: marking.spot_compensation_m(), section }
+        let half_spot_m = marking.half_spot_m;
+        let mut of = Self { lines, length_m: length, apart_m, bare, one, half_spot_m, section, made: None };
+        of.made = of.section.as_ref().and_then(|section| of.measured(section));
+        of
+    }
+
+    /// Distance of the outermost line from the edge of a cavity, in metres; `None` without a section.
+    pub(crate) fn outermost_m(&self) -> Option<f64> {
+        let (section, (_, lines)) = self.section.as_ref().zip(self.one.as_ref())?;
+        let at_m = |[from, _]: &Line| -> f64 {
+            (0..2).map(|axis| (from[axis] - section.from_m[axis]) * section.across[axis]).sum()
+        };
+        lines.iter().map(at_m).filter(|at_m| *at_m >= 0.0).min_by(f64::total_cmp)
+    }
+
+    /// Measures width and depth along `section`; `None` if there is no depth in the middle.
+    fn measured(&self, section: &Section) -> Option<Made> {
+        let at_share = |share: f64| self.mean_of_lines(section, [share; 2], 1, |within_m| within_m);
+        let reach = self.half_spot_m / section.width_m;
+        let step = (1.0 + 2.0 * reach) / f64::from(SAMPLE_POINTS);
+        let profile: Vec<f64> = (0..=SAMPLE_POINTS).map(|k| at_share(f64::from(k) * step - reach)).collect();
+        let mut made = Made { width_m: section.width_m, reach_m: 0.0, middle: MIDDLE_RANGE };
+        for _ in 0..WIDTH_ROUNDS {
+            made.reach_m = self.mean_of_lines(section, made.middle, SAMPLE_POINTS, |within_m| within_m);
+            let level_m = 0.5 * made.reach_m;
+            // Both outermost points of half depth, interpolated; another arm of a polygon may reach the ends.
+            let is_deep = |depth_m: &f64| *depth_m > level_m;
+            let [first, last] = [profile.iter().position(is_deep)?, profile.iter().rposition(is_deep)?];
+            let at = |deep: usize, shallow: usize| {
+                let share = profile.get(shallow).map_or(0.0, |z| (profile[deep] - level_m) / (profile[deep] - z));
+                (deep as f64 + share * (shallow as f64 - deep as f64)) * step - reach
+            };
+            let [from, to] = [at(first, first.wrapping_sub(1)), at(last, last + 1)];
+            made.width_m = (to - from) * section.width_m;
+            made.middle = MIDDLE_RANGE.map(|share| from + share * (to - from));
+        }
+        Some(made)
     }
 
     /// Warnings about areas that the spot does not reach.
     pub(crate) fn unreached_warnings(&self, layout: &Layout) -> Vec<String> {
-        let Some((one, lines)) = &self.one else { return Vec::new() };
-        unreached::warnings(layout, self.half_spot_m, self.bare, one, lines)
+        let Some((made, share)) = self.made.as_ref().zip(self.made_share()) else { return Vec::new() };
+        let mut warnings = unreached::warnings(layout, self.half_spot_m, self.bare, share);
+        let wanted_m = self.section.as_ref().map_or(made.width_m, |section| section.width_m);
+        if let Some(off) = off(made.width_m, wanted_m) {
+            warnings.push(format!(
+                "lines make cavities {} um wide at half depth, {off} of the design's {} um, as the spot is {} um wide: a smaller spot \
+                 or wider cavities come nearer",
+                decimal(made.width_m * 1e6, 1),
+                decimal(wanted_m * 1e6, 1),
+                decimal(2e6 * self.half_spot_m, 1)
+            ));
+        }
+        warnings
     }
 
-    /// Mean over a part of `section`, from `from` to `to` as fractions of its width, of a sum over lines: each line
-    /// adds `of(length)` for the length, in metres, of its part within half a spot of the point.
-    fn mean_of_lines(&self, section: &Section, [from, to]: [f64; 2], of: fn(f64) -> f64) -> f64 {
+    /// Fraction of a cavity that is at least half as deep as its middle; `None` without depth.
+    pub(crate) fn made_share(&self) -> Option<f64> {
+        let ((one, lines), made) = self.one.as_ref().zip(self.made.as_ref())?;
+        let reach_m = |at_m: [f64; 2]| lines.iter().map(|line| within_m(line, at_m, self.half_spot_m)).sum::<f64>();
+        Some(unreached::share(one, |at_m| reach_m(at_m) >= 0.5 * made.reach_m))
+    }
+
+    /// Mean over `points` of a part of `section`, from `from` to `to` as fractions of its width, of a sum over lines:
+    /// each line adds `of(length)` for the length, in metres, of its part within half a spot of the point.
+    fn mean_of_lines(&self, section: &Section, [from, to]: [f64; 2], points: u32, of: fn(f64) -> f64) -> f64 {
         let at_point = |k: u32| -> f64 {
-            let at_m = section.width_m * (from + (to - from) * (f64::from(k) + 0.5) / f64::from(SAMPLE_POINTS));
+            let at_m = section.width_m * (from + (to - from) * (f64::from(k) + 0.5) / f64::from(points));
             let at = [0, 1].map(|axis| section.from_m[axis] + at_m * section.across[axis]);
             let lines = self.one.iter().flat_map(|(_, lines)| lines);
             lines.map(|line| of(within_m(line, at, self.half_spot_m))).sum()
         };
-        (0..SAMPLE_POINTS).map(at_point).sum::<f64>() / f64::from(SAMPLE_POINTS)
+        (0..points).map(at_point).sum::<f64>() / f64::from(points)
     }
 
-    /// Mean number of lines within half a spot of a point, over the middle third of the cavity's width; `None` without
-    /// a section.
+    /// Mean number of lines within half a spot of a point, over the middle third of the width that is made;
+    /// `None` without a section.
     pub(crate) fn exposures(&self) -> Option<f64> {
         let is_within = |within_m: f64| if within_m > 0.0 { 1.0 } else { 0.0 };
-        Some(self.mean_of_lines(self.section.as_ref()?, MIDDLE_RANGE, is_within))
+        Some(self.mean_of_lines(self.section.as_ref()?, self.made.as_ref()?.middle, SAMPLE_POINTS, is_within))
     }
 
     /// Depth profile of `passes` between an edge and the middle of a cavity, in um: for each bin, the distance from the
@@ -166,7 +239,7 @@ impl Hatched {
         let scale = f64::from(passes) * laser.depth_per_burst_um? / laser.pulse_distance_um()?;
         let share = |k: u32| 0.5 * f64::from(k) / f64::from(LISTED_BINS);
         let up_to = |k: u32| {
-            let depth_m = scale * self.mean_of_lines(section, [share(k - 1), share(k)], |within_m| within_m);
+            let depth_m = scale * self.mean_of_lines(section, [share(k - 1), share(k)], SAMPLE_POINTS, |m| m);
             [micrometres(section.width_m * share(k)), micrometres(depth_m)]
         };
         Some((1..=LISTED_BINS).map(up_to).collect())
@@ -184,16 +257,14 @@ impl Hatched {
         let (burst_um, pulse_um, speed_mm_s) =
             (laser.depth_per_burst_um?, laser.pulse_distance_um()?, laser.speed_mm_s?);
         let design_um = layout.pattern().depth_m() * 1e6;
-        let middle_m =
-            self.section.as_ref().map(|section| self.mean_of_lines(section, MIDDLE_RANGE, |within_m| within_m));
-        let Some(reach_m) = middle_m.filter(|mean_m| *mean_m > 0.0) else {
-            // Lines have zero length: only the depth of an infinite hatch is known.
+        let Some(made) = &self.made else {
+            // No line: only the depth of an infinite hatch is known.
             let passes = (design_um / laser.depth_step_um()?).round().clamp(1.0, MAX_PASSES) as u32;
             let warnings = vec![NO_LINES.to_owned()];
             return Some(Removal { passes, edge_ramp_um: laser.spot_um?, warnings, ..Removal::default() });
         };
         // z / N = (d / p) <length of lines within s/2>
-        let per_pass_um = burst_um / pulse_um * reach_m * 1e6;
+        let per_pass_um = burst_um / pulse_um * made.reach_m * 1e6;
         // At most a billion, so that the cast cannot overflow.
         let passes = (design_um / per_pass_um).round().clamp(1.0, MAX_PASSES) as u32;
         let made_um = f64::from(passes) * per_pass_um;
@@ -204,10 +275,6 @@ impl Hatched {
         let are_pulses_close = speed / speed_mm_s * pulse_um <= laser.spot_um? * (1.0 + LENGTH_TOLERANCE);
         let speed_for_depth_mm_s = are_pulses_close.then(|| six_digits(speed));
         let mut warnings = self.unreached_warnings(layout);
-        let off = |made_um: f64, wanted_um: f64| {
-            let share = made_um / wanted_um - 1.0;
-            (share.abs() > WARNED_DEVIATION).then(|| format!("{:+.0} %", 100.0 * share))
-        };
         let pass_words = if passes == 1 { "1 pass makes".to_owned() } else { format!("{passes} passes make") };
         if let Some(off) = off(made_um, design_um) {
             let how = speed_for_depth_mm_s.map_or_else(
@@ -233,7 +300,7 @@ impl Hatched {
                     String::new()
                 };
                 format!(
-                    "depth grows over one spot, {} um, from the edge of a cavity; a smaller spot or wider cavities have steeper walls{more}",
+                    "depth grows over one spot, {} um, across the edge of a cavity; a smaller spot or wider cavities have steeper walls{more}",
                     decimal(2e6 * self.half_spot_m, 1)
                 )
             } else {
@@ -248,6 +315,7 @@ impl Hatched {
             depth_per_pass_um: round_decimals(per_pass_um, MICROMETRE_DECIMALS),
             depth_um: round_decimals(made_um, MICROMETRE_DECIMALS),
             mean_depth_um: round_decimals(mean_um, MICROMETRE_DECIMALS),
+            width_um: micrometres(made.width_m),
             edge_ramp_um: laser.spot_um?,
             speed_for_depth_mm_s,
             warnings,
@@ -255,9 +323,14 @@ impl Hatched {
     }
 }
 
-/// Warning for cavities as small as the spot.
-const NO_LINES: &str = "lines of no length are left in a cavity as small as the spot, on which a moving laser gives no pulse: a smaller \
-                        spot, wider cavities, or bursts on the spot (without speed_mm_s) make it";
+/// Warning for cavities smaller than the spot.
+const NO_LINES: &str = "no line is left in a cavity smaller than the spot: a smaller spot or wider cavities make it";
+
+/// Deviation of a length from that of the design, in words, if it is large.
+fn off(made: f64, wanted: f64) -> Option<String> {
+    let share = made / wanted - 1.0;
+    (share.abs() > WARNED_DEVIATION).then(|| format!("{:+.0} %", 100.0 * share))
+}
 
 impl Section {
     fn across(cavity: &Cavity, lines: &[Line], [dx, dy]: [f64; 2]) -> Option<Self> {
@@ -325,7 +398,7 @@ pub(crate) fn removed_volume_m3(layout: &Layout, laser: &Laser) -> f64 {
         return layout.cavity_volume_m3();
     }
     // Area is quadratic in depth for walls of constant slope, so that d/6 (A_0 + 4 A_1/2 + A_1) is exact.
-    let area_m2 = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m, 0.0).map_or(0.0, |at| at.area_m2());
+    let area_m2 = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m).map_or(0.0, |at| at.area_m2());
     let six_m2 = |cavity: Cavity| cavity.area_m2() + 4.0 * area_m2(&cavity, 0.5) + area_m2(&cavity, 1.0);
     // All complete polygons are equal, and the area inside their walls takes time to integrate.
     let mut whole_m2 = None;

@@ -58,8 +58,7 @@ pub fn check(layout: &Layout, laser: &Laser) -> Result<(), ExportError> {
     }
     // Each part of a cavity has a floor with as many corners as its lid.
     let corners = |cavity: &Cavity| faces(cavity).iter().map(Vec::len).collect::<Vec<_>>();
-    let has_floor =
-        |cavity: Cavity| cavity.inset(inset_m, 0.0).is_some_and(|floor| corners(&cavity) == corners(&floor));
+    let has_floor = |cavity: Cavity| cavity.inset(inset_m).is_some_and(|floor| corners(&cavity) == corners(&floor));
     let is_plain = layout.iter().all(|cavity| cavity.face.is_none() && cavity.crossed_by.is_none());
     if inset_m == 0.0 || is_plain || layout.iter().all(has_floor) {
         return Ok(());
@@ -90,7 +89,7 @@ fn faces(cavity: &Cavity) -> Vec<Polygon> {
 /// from the cavity's edge.
 fn solids(cavity: &Cavity, inset_m: f64) -> Vec<(Polygon, Polygon)> {
     let lids = faces(cavity);
-    let floors = match cavity.inset(inset_m, 0.0) {
+    let floors = match cavity.inset(inset_m) {
         Some(floor) if inset_m > 0.0 && cavity.cut_by.is_none() => faces(&floor),
         _ => lids.clone(),
     };

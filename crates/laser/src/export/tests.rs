@@ -46,6 +46,7 @@ fn layouts() -> Vec<Layout> {
 fn plots_read_back_to_the_same_paths_within_a_quarter_of_a_nanometre() {
     let marking = Marking::new(&laser()).unwrap();
     for layout in layouts() {
+        let hatch = marking.on(&layout);
         let plot = text(|to| hpgl(&layout, Some(&marking), &HEADING, to));
         assert!(plot.is_ascii() && plot.starts_with("CO \"slipgrid 0.0.0: a 'test' (1)\";"));
         // Each path with its pen.
@@ -71,7 +72,7 @@ fn plots_read_back_to_the_same_paths_within_a_quarter_of_a_nanometre() {
             assert_eq!(path.len(), expected.len());
             assert!(path.iter().zip(expected).all(|(read, laid)| (read - laid).abs() < 0.26e-9));
         }
-        let lines: Vec<Line> = layout.iter().flat_map(|cavity| marking.lines(&cavity)).collect();
+        let lines: Vec<Line> = layout.iter().flat_map(|cavity| hatch.lines(&cavity)).collect();
         assert_eq!(of_pen(3).count(), lines.len());
         for ((_, path), line) in of_pen(3).zip(lines) {
             assert!(path.iter().zip(line.concat()).all(|(read, laid)| (read - laid).abs() < 0.26e-9));
@@ -85,6 +86,7 @@ fn programs_read_back_to_the_lines_of_every_pass() {
     let laser = laser();
     let marking = Marking::new(&laser).unwrap();
     for layout in layouts() {
+        let hatch = marking.on(&layout);
         // 13 bursts; a pass over an infinite hatch gives (pi/4) 23^2/(10 20) = 2.08.
         let passes = Removal::new(&layout, &laser).unwrap().passes;
         assert!((5..=7).contains(&passes), "{passes}");
@@ -93,7 +95,7 @@ fn programs_read_back_to_the_lines_of_every_pass() {
         assert!(program.contains("\nG1 F600\n") && program.ends_with("M5\nG0 X0 Y0\nM2\n"));
         let expected: Vec<Line> = layout
             .iter()
-            .flat_map(|cavity| (0..passes).flat_map(|_| marking.lines(&cavity)).collect::<Vec<_>>())
+            .flat_map(|cavity| (0..passes).flat_map(|_| hatch.lines(&cavity)).collect::<Vec<_>>())
             .collect();
         let read = read_gcode(&program);
         assert_eq!(read.len(), expected.len());
@@ -112,6 +114,7 @@ fn tables_of_corners_and_lines_read_back() {
         text.lines().skip(1).map(|line| line.split(',').map(|field| field.parse().unwrap()).collect()).collect()
     };
     for layout in layouts() {
+        let hatch = marking.on(&layout);
         let corners = rows(&text(|to| corners_csv(&layout, to)));
         let expected = layout.iter().enumerate().flat_map(|(index, cavity)| {
             let parts = cavity.boundaries();
@@ -127,7 +130,7 @@ fn tables_of_corners_and_lines_read_back() {
             assert!((row[3] - x * 1e3).abs() < 0.6e-6 && (row[4] - y * 1e3).abs() < 0.6e-6);
         }
         let lines = rows(&text(|to| hatch_csv(&layout, &marking, to)));
-        let expected: Vec<Line> = layout.iter().flat_map(|cavity| marking.lines(&cavity)).collect();
+        let expected: Vec<Line> = layout.iter().flat_map(|cavity| hatch.lines(&cavity)).collect();
         assert_eq!(lines.len(), expected.len());
         for (row, line) in lines.iter().zip(expected) {
             assert!(row[2..].iter().zip(line.concat()).all(|(read, laid)| (read - laid * 1e3).abs() < 0.6e-6));
@@ -140,7 +143,7 @@ fn tables_of_corners_and_lines_read_back() {
 fn the_sheet_states_the_distances_that_lines_have() {
     let laser = laser();
     let marking = Marking::new(&laser).unwrap();
-    let (mut nearer, mut unlike) = (0, 0);
+    let mut nearer = 0;
     for layout in layouts() {
         let input = ProcessInput { laser, tolerances: None, ..process::tests::input(None) };
         let work = ProcessSheet::new(&layout, input).unwrap().work;
@@ -177,9 +180,8 @@ fn the_sheet_states_the_distances_that_lines_have() {
         assert!((least_found_um - least_um).abs() < 0.1, "{what}: {least_found_um} and {least_um} um");
         assert!((greatest_found_um - greatest_um).abs() < 0.1, "{what}: {greatest_found_um} and {greatest_um} um");
         nearer += usize::from(greatest_um < 19.9);
-        unlike += usize::from(greatest_um - least_um > 0.5);
     }
-    assert!(nearer > 5 && unlike > 0, "{nearer} layouts with nearer lines, {unlike} with unlike ones");
+    assert!(nearer > 5, "{nearer} layouts with nearer lines");
 }
 
 /// Heights, 0 to 1, of a 16-bit grey PNG, and its pixels per metre.
@@ -210,7 +212,7 @@ fn height_maps_hold_the_area_and_the_volume_of_the_cavities() {
             None => layout.cavity_area_m2(),
             Some(_) => {
                 let inset_m = laser.floor_inset_m(5.2e-6);
-                let area = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m, 0.0).unwrap().area_m2();
+                let area = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m).unwrap().area_m2();
                 layout.iter().map(|c| (c.area_m2() + 4.0 * area(&c, 0.5) + area(&c, 1.0)) / 6.0).sum()
             }
         };

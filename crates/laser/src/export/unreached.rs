@@ -1,33 +1,24 @@
 //! Areas of cavities that the spot does not reach.
 //!
-//! The spot stays inside the walls of cavities and the border of the specimen. A cavity that the border cuts to less
-//! than the spot has no line; in a corner, the area beyond the edge of the spot is not reached. With the diameter s of
-//! the spot:
+//! The spot stays inside the border of the specimen. A cavity that the border cuts to less than the spot has no line; in
+//! a corner, most of the spot is outside, and the depth is less than half:
 //!
 //! ```text
-//! swept share = area(points within s/2 of a line) / area(cavity)
+//! made share = area(points at least half as deep as the middle) / area(cavity)
 //! ```
 
-use slipgrid_model::pattern::geometry::point_to_segment;
-
-use crate::export::{Cavity, Layout, Line, decimal};
+use crate::export::{Cavity, Layout, decimal};
 
 /// Number of sample points along each extent of a cavity.
 const POINTS: u32 = 60;
-/// Minimum swept fraction of a cavity without a warning. A spot a third as wide as the cavity sweeps 97 % of a square
+/// Minimum fraction of a cavity that is made without a warning. A spot half as wide as the cavity makes 93 % of a square
 /// and all of a disc.
-const MIN_SWEPT: f64 = 0.9;
+const MIN_MADE: f64 = 0.9;
 
 /// Warnings about cavity areas of `layout` that a spot of radius `half_spot_m` does not reach. `bare` is the number and
-/// total area, in square metres, of cavities without a hatch line; `one`, with its hatch `lines`, represents the other
-/// cavities.
-pub(crate) fn warnings(
-    layout: &Layout,
-    half_spot_m: f64,
-    bare: (u32, f64),
-    one: &Cavity,
-    lines: &[Line],
-) -> Vec<String> {
+/// total area, in square metres, of cavities without a hatch line; `made` is the fraction of another cavity that is at
+/// least half as deep as its middle.
+pub(crate) fn warnings(layout: &Layout, half_spot_m: f64, bare: (u32, f64), made: f64) -> Vec<String> {
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let spot = decimal(2e6 * half_spot_m, 1);
     let mut warnings = Vec::new();
@@ -39,19 +30,18 @@ pub(crate) fn warnings(
             layout.cavities(),
         ));
     }
-    let swept = swept_share(one, lines, half_spot_m);
-    if swept < MIN_SWEPT {
+    if made < MIN_MADE {
         warnings.push(format!(
-            "lines sweep {} of the area of a cavity, whose corners the spot, {spot} um, does not get into; friction was computed with all of \
-             it: a smaller spot or wider cavities come nearer",
-            percent(swept)
+            "lines make {} of the area of a cavity half as deep as its middle, whose corners the spot, {spot} um, does not get into; friction \
+             was computed with all of it: a smaller spot or wider cavities come nearer",
+            percent(made)
         ));
     }
     warnings
 }
 
-/// Fraction of `cavity` within `half_spot_m` of one of `lines`.
-fn swept_share(cavity: &Cavity, lines: &[Line], half_spot_m: f64) -> f64 {
+/// Fraction of `cavity` whose points satisfy `is_made`.
+pub(crate) fn share(cavity: &Cavity, is_made: impl Fn([f64; 2]) -> bool) -> f64 {
     let [cosine, sine] = cavity.orientation;
     let place = |k: u32| (f64::from(k) + 0.5) / f64::from(POINTS) - 0.5;
     let at = |(i, j): (u32, u32)| {
@@ -60,14 +50,13 @@ fn swept_share(cavity: &Cavity, lines: &[Line], half_spot_m: f64) -> f64 {
     };
     let all = (0..POINTS).flat_map(|i| (0..POINTS).map(move |j| (i, j))).map(at);
     let inside: Vec<[f64; 2]> = all.filter(|at_m| cavity.wall_distance_m(*at_m) >= 0.0).collect();
-    let is_swept =
-        |at_m: &&[f64; 2]| lines.iter().any(|[from, to]| point_to_segment(**at_m, *from, *to) <= half_spot_m);
-    inside.iter().filter(is_swept).count() as f64 / inside.len().max(1) as f64
+    inside.iter().filter(|at_m| is_made(**at_m)).count() as f64 / inside.len().max(1) as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::removal::Hatched;
     use crate::export::{Laser, Marking, Outline, laser_warnings};
     use slipgrid_model::pattern::{Pattern, Planform, Polygon, Texture};
 
@@ -78,36 +67,45 @@ mod tests {
         Texture::new(Planform::Polygon).with_outline(Polygon::new(&corners).unwrap()).unwrap()
     }
 
-    fn swept(texture: Texture, width_um: f64, spot_um: f64) -> f64 {
+    fn made(texture: Texture, width_um: f64, spot_um: f64) -> f64 {
         let pattern = Pattern::new(texture, width_um * 1e-6, 100e-6, 10e-6).unwrap();
-        let cavity = Layout::new(pattern, DISC).unwrap().iter().next().unwrap();
-        let laser = Laser { spot_um: Some(spot_um), ..Laser::default() };
-        let marking = Marking::new(&laser).unwrap();
-        swept_share(&cavity, &marking.lines(&cavity), marking.spot_compensation_m())
+        let layout = Layout::new(pattern, DISC).unwrap();
+        let laser = Laser { spot_um: Some(spot_um), hatch_um: Some(spot_um / 20.0), ..Laser::default() };
+        Hatched::new(&layout, &Marking::new(&laser).unwrap()).made_share().unwrap()
     }
 
     #[test]
-    fn a_spot_sweeps_what_its_edge_reaches() {
-        // Two lines side by side in a square miss its corners, and as much between their ends: 1 - 2 (4 - pi) (s/2w)^2.
-        let square = swept(Texture::new(Planform::Square), 60.0, 30.0);
-        assert!((square - (1.0 - 2.0 * (4.0 - std::f64::consts::PI) * 0.0625)).abs() < 6e-3, "{square}");
-        assert!(swept(Texture::new(Planform::Groove), 75.0, 23.0) > 0.98);
-        // For an equilateral triangle at most the part swept by a disc: 1 - (3 sqrt(3) - pi) r^2 / A, with the spot's
-        // radius r.
-        let (found, area_um2) = (swept(triangle(), 80.0, 15.0), 0.25 * 3_f64.sqrt() * 6400.0);
-        let closed = 1.0 - (3.0 * 3_f64.sqrt() - std::f64::consts::PI) * 56.25 / area_um2;
-        assert!(found < closed && found > closed - 0.1, "{found} {closed}");
+    fn a_spot_makes_what_lies_more_than_half_inside() {
+        // The share of a square by counting points of the spot, lengths in radii of it.
+        let counted = |width: f64| {
+            let at = |k: u32, n: u32, extent: f64| (f64::from(k) + 0.5) / f64::from(n) * extent - extent / 2.0;
+            let inside = |x: f64, y: f64| x.abs() < width / 2.0 && y.abs() < width / 2.0;
+            let share = |x: f64, y: f64| {
+                let places = (0..60).flat_map(|i| (0..60).map(move |j| [at(i, 60, 2.0), at(j, 60, 2.0)]));
+                let of_spot: Vec<[f64; 2]> = places.filter(|[u, v]| u.hypot(*v) < 1.0).collect();
+                of_spot.iter().filter(|[u, v]| inside(x + u, y + v)).count() as f64 / of_spot.len() as f64
+            };
+            let all = (0..60).flat_map(|i| (0..60).map(move |j| [at(i, 60, width), at(j, 60, width)]));
+            all.filter(|[x, y]| share(*x, *y) > 0.5).count() as f64 / 3600.0
+        };
+        let (square, expected) = (made(Texture::new(Planform::Square), 60.0, 30.0), counted(4.0));
+        assert!((square - expected).abs() < 0.01, "{square} {expected}");
+        assert!(made(Texture::new(Planform::Groove), 75.0, 23.0) > 0.98);
+        assert!(made(Texture::new(Planform::Disc), 60.0, 30.0) > 0.98);
+        let narrow = [made(triangle(), 80.0, 15.0), made(triangle(), 60.0, 30.0)];
+        assert!(narrow[0] > 0.9 && narrow[1] < 0.9, "{narrow:?}");
     }
 
     #[test]
     fn cavities_that_get_no_line_and_corners_that_are_not_swept_are_warned_of() {
-        let laser = Laser { spot_um: Some(30.0), depth_per_burst_um: Some(2.0), ..Laser::default() };
+        let laser =
+            Laser { spot_um: Some(30.0), hatch_um: Some(7.5), depth_per_burst_um: Some(2.0), ..Laser::default() };
         let pattern = |texture: Texture, width_um: f64| Pattern::new(texture, width_um * 1e-6, 100e-6, 10e-6).unwrap();
         let layout = Layout::new(pattern(triangle(), 60.0), DISC).unwrap();
         let said = laser_warnings(&layout, &laser);
-        assert!(said.iter().any(|said| said.starts_with("lines sweep ") && said.contains("30 um")), "{said:?}");
-        // Grooves 160 um wide every 260 um on a plate 920 um long, whose outer grooves are cut to 20 um.
-        let plate = Outline::Rectangle { length_m: 920e-6, width_m: 1e-3 };
+        assert!(said.iter().any(|said| said.starts_with("lines make ") && said.contains("30 um")), "{said:?}");
+        // Grooves 160 um wide every 260 um on a plate 900 um long, whose outer grooves are cut to 10 um.
+        let plate = Outline::Rectangle { length_m: 900e-6, width_m: 1e-3 };
         let clipped = Layout::clipped(pattern(Texture::new(Planform::Groove), 160.0), plate).unwrap();
         let said = laser_warnings(&clipped, &laser);
         assert!(said.iter().any(|said| said.starts_with("2 of ") && said.contains("get no line")), "{said:?}");

@@ -21,20 +21,22 @@ const MASK_TIME_ASSUMPTIONS: &str =
 const LINE_TIME_FORMULA: &str = "passes * marked_length_mm / speed_mm_s";
 const LINE_TIME_ASSUMPTIONS: &str =
     "the spot moves at its speed along lines; jumps between lines and cavities, and acceleration, not counted";
-const LINES_FORMULA: &str = "line_distance_um is nominal; within a cavity lines lie evenly from edge to edge, half a spot inside, so that they \
-     are as near as that or nearer: from least_line_distance_um to greatest_line_distance_um, as in hatch.csv";
+const LINES_FORMULA: &str = "line_distance_um is nominal; within a cavity lines lie evenly between the outermost, which are spot_compensation_um \
+     inside the edge, so that half of the depth in the middle falls on the edge; lines are as near as line_distance_um or nearer: from \
+     least_line_distance_um to greatest_line_distance_um, as in hatch.csv";
 const BURSTS_FORMULA: &str = "(pi / 4) spot^2 / (pulse distance * line distance): bursts that reach a point in one pass over an endless hatch, on \
      average; the line distance is the nominal one";
 const STEP_FORMULA: &str = "depths of designs are whole multiples of this: depth per burst * bursts per pass over lines, depth per burst where bursts are \
      planned on spots or a mask exposes whole cavities";
 const ACROSS_FORMULA: &str = "each pair is [x, z]: z is the mean depth, after all passes, over the bin that ends at the distance x from the edge of a \
      cavity and begins where the bin before ends, the first at the edge; the eight bins are equally wide, and the last ends in \
-     the middle of the cavity";
+     the middle of the cavity; it holds across the lines, in the middle of their length: at their ends, which lie on the edge, depth is half \
+     of that and grows over half a spot";
 const REMOVAL_FORMULA: &str = "z(x) = passes * (depth per burst / pulse distance) * length of lines within half a spot of x; removed volume = passes * \
-     (depth per burst / pulse distance) * (pi / 4) spot^2 * marked length; depth in the middle is the mean of z over the middle \
-     third of a cavity's width, mean depth the removed volume over the area of all cavities";
+     (depth per burst / pulse distance) * (pi / 4) spot^2 * marked length; the width made is that at half of the depth in the \
+     middle, which is the mean of z over the middle third of this width; mean depth is the removed volume over the area of all cavities";
 
-const EXPOSURES_FORMULA: &str = "lines within half a spot of a point, as a mean over the middle third of a cavity's width; depth_per_burst_um is that \
+const EXPOSURES_FORMULA: &str = "lines within half a spot of a point, as a mean over the middle third of a cavity's width at half depth; depth_per_burst_um is that \
      of a cavity exposed so";
 
 /// Laser work for a specimen: bursts, marking lines, passes and time. Values that need missing laser parameters are
@@ -71,12 +73,14 @@ pub struct WorkSheet {
     pub spots_on_specimen: Option<u64>,
     /// Formula for the number of spots.
     pub spots_formula: String,
-    /// Distance of the spot's centre from a cavity's edge, in um; absent for a mask.
+    /// Distance of the outermost lines from the edge of a cavity beside them, in um, so that half of the depth in the
+    /// middle falls on the edge; the ends of lines lie on the edge, or half a spot inside the specimen's border. Absent
+    /// for a mask.
     pub spot_compensation_um: Option<f64>,
     /// Direction of the lines; absent for a mask.
     pub marking_direction: Option<String>,
     /// Nominal distance between lines, that of an infinite hatch, in um: `laser.hatch_um`, or the spot if absent.
-    /// Inside a cavity lines are spaced evenly from edge to edge, at this distance or closer.
+    /// Inside a cavity lines are spaced evenly, at this distance or closer.
     pub line_distance_um: Option<f64>,
     /// Smallest distance between neighbouring lines inside a cavity, in um, as in `hatch.csv`; absent if one line fills
     /// each cavity.
@@ -179,11 +183,12 @@ impl WorkSheet {
         let hatched = Hatched::new(layout, &marking);
         (self.lines_on_specimen, self.marked_length_mm) =
             (Some(hatched.lines), Some(six_digits(hatched.length_m * 1e3)));
-        self.spot_compensation_um = Some(micrometres(marking.spot_compensation_m()));
+        self.spot_compensation_um = hatched.outermost_m().map(micrometres);
         self.marking_direction = Some(
             if layout.pattern().planform() == Planform::Crosshatch {
-                "along the grooves, first one family and then the other, whose lines end before the walls of the first where \
-                 their round ends meet: crossings are marked once, and no wall stays at their mouths; every second line backwards"
+                "along the grooves, first one family and then the other, whose lines end at the walls of the first, so \
+                 that crossings are marked once and no ridge stays at their mouths: depth there is even within a fifth for lines at most \
+                 half a spot apart; every second line backwards"
             } else {
                 "along the longer side of a cavity, along x where both are alike; every second line backwards"
             }
@@ -265,12 +270,12 @@ mod tests {
             assert!(laser_warnings(&layout, laser).is_empty() || sheet.removal.is_some());
             sheet
         };
-        // Three lines 11.6 um apart in 46.2 um: two of them expose every point. Two lines side by side, two lines 1 um
-        // apart, and one line.
-        for (width_um, exposures) in [(46.2, 1.98), (46.0, 1.0), (24.0, 2.0), (23.0, 1.0)] {
+        // Three lines 14.3 um apart in 46.2 um: the middle one exposes every point of 15.4 um, each other one a third.
+        // Two lines 11.4 um apart expose every point.
+        for (width_um, exposures) in [(46.2, 1.6375), (46.0, 1.645), (24.0, 2.0), (23.0, 2.0)] {
             let sheet = sheet(width_um, &laser);
             assert_eq!((sheet.bursts_per_cavity, sheet.depth_of_bursts_um), (Some(6), Some(15.6)));
-            assert!((sheet.exposures_of_a_point.unwrap() - exposures).abs() < 0.02, "{width_um}");
+            assert!((sheet.exposures_of_a_point.unwrap() - exposures).abs() < 5e-3, "{width_um}");
         }
         // Passes over lines, a mask, and no depth per burst.
         for other in [

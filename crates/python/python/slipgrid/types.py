@@ -704,6 +704,7 @@ class Removal(Record):
     depth_per_pass_um: float
     depth_um: float
     mean_depth_um: float
+    width_um: float
     edge_ramp_um: float
     speed_for_depth_mm_s: Optional[float]
     warnings: list[str]

@@ -143,18 +143,18 @@ fn a_moving_spot_counts_lines_overlaps_and_passes() {
     let work = ProcessSheet::new(&layout, input).unwrap().work;
     // 4.6 mm/s at 1 kHz: a burst every 4.6 um, a fifth of the spot.
     assert_eq!((work.pulse_distance_um, work.pulse_overlap), (Some(4.6), Some(0.8)));
-    // 107 um in ten gaps are 10.7 um each, which overlap by 1 - 10.7/23.
-    assert_eq!((work.greatest_line_distance_um, work.line_overlap), (Some(10.7), Some(0.534783)));
+    // 130 - 2 6.1552 um in eleven gaps are 10.699 um each, which overlap by 1 - 10.699/23.
+    assert_eq!((work.greatest_line_distance_um, work.line_overlap), (Some(10.699), Some(0.534826)));
     // (pi/4) 23^2 / (4.6 11.5) = 2.5 pi; two bursts make 5.2 um, and one pass over lines 10.7 um apart makes more.
     let removal = work.removal.unwrap();
     assert_eq!((work.bursts_per_pass, removal.passes), (Some(7.85398), 1));
     assert!((removal.depth_um / (20.42 * 11.5 / 10.7) - 1.0).abs() < 0.02, "{}", removal.depth_um);
-    // 130 - 23 = 107 um in ten gaps: eleven lines of 107 um.
+    // Twelve lines from edge to edge.
     let cavities = layout.cavities() as f64;
-    assert_eq!(work.lines_on_specimen, Some(11 * layout.cavities() as u64));
-    assert!((work.marked_length_mm.unwrap() / (cavities * 11.0 * 0.107) - 1.0).abs() < 1e-5);
-    assert!((work.estimated_time_s.unwrap() / (cavities * 11.0 * 0.107 / 4.6) - 1.0).abs() < 1e-5);
-    assert_eq!(work.spot_compensation_um, Some(11.5));
+    assert_eq!(work.lines_on_specimen, Some(12 * layout.cavities() as u64));
+    assert!((work.marked_length_mm.unwrap() / (cavities * 12.0 * 0.13) - 1.0).abs() < 1e-5);
+    assert!((work.estimated_time_s.unwrap() / (cavities * 12.0 * 0.13 / 4.6) - 1.0).abs() < 1e-5);
+    assert_eq!(work.spot_compensation_um, Some(6.155));
 }
 
 #[test]

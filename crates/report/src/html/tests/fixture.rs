@@ -51,6 +51,7 @@ pub fn report() -> DesignReport {
             depth_per_pass_um: 1.31,
             depth_um: 5.24,
             mean_depth_um: 4.1,
+            width_um: 130.0,
             edge_ramp_um: 25.0,
             speed_for_depth_mm_s: Some(201.5),
             warnings: vec!["the mean depth over cavities is 4.1 um".into()],
