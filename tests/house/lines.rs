@@ -6,7 +6,7 @@ use crate::rooms::{code, root, sources};
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
     ("base", 1_700),
-    ("model", 14_800),
+    ("model", 14_830),
     ("surface", 10_450),
     ("traces", 3_150),
     ("laser", 4_550),
