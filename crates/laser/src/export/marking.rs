@@ -132,7 +132,8 @@ impl Marking {
             if width_m - 2.0 * high_m <= gaps * self.distance_m * (1.0 + ROUNDING) {
                 return high_m;
             }
-            gaps += 1.0;
+            // More lines lie nearer to the walls, so that fewer than these do not do.
+            gaps = ((width_m - 2.0 * high_m) / self.distance_m - ROUNDING).ceil().max(gaps + 1.0);
         }
     }
 }

@@ -253,20 +253,30 @@ impl Hatched {
         Some(f64::from(passes) * per_length * spot_m2 * self.length_m)
     }
 
+    /// Depth of one pass in the middle of a cavity, in um: without a line that of an infinite hatch; `None` if laser
+    /// parameters are missing.
+    fn per_pass_um(&self, laser: &Laser) -> Option<f64> {
+        let Some(made) = &self.made else { return laser.depth_step_um() };
+        // z / N = (d / p) <length of lines within s/2>
+        Some(laser.depth_per_burst_um? / laser.pulse_distance_um()? * made.reach_m * 1e6)
+    }
+
+    /// Number of passes that comes nearest to the depth of the design; `None` if laser parameters are missing.
+    pub(crate) fn passes(&self, layout: &Layout, laser: &Laser) -> Option<u32> {
+        laser.depth_per_burst_um.and(laser.pulse_distance_um()).and(laser.speed_mm_s)?;
+        let passes = layout.pattern().depth_m() * 1e6 / self.per_pass_um(laser)?;
+        // At most a billion, so that the cast cannot overflow.
+        Some(passes.round().clamp(1.0, MAX_PASSES) as u32)
+    }
+
     pub(crate) fn removal(&self, layout: &Layout, laser: &Laser) -> Option<Removal> {
-        let (burst_um, pulse_um, speed_mm_s) =
-            (laser.depth_per_burst_um?, laser.pulse_distance_um()?, laser.speed_mm_s?);
+        let (passes, per_pass_um) = (self.passes(layout, laser)?, self.per_pass_um(laser)?);
+        let (pulse_um, speed_mm_s) = (laser.pulse_distance_um()?, laser.speed_mm_s?);
         let design_um = layout.pattern().depth_m() * 1e6;
         let Some(made) = &self.made else {
-            // No line: only the depth of an infinite hatch is known.
-            let passes = (design_um / laser.depth_step_um()?).round().clamp(1.0, MAX_PASSES) as u32;
             let warnings = vec![NO_LINES.to_owned()];
             return Some(Removal { passes, edge_ramp_um: laser.spot_um?, warnings, ..Removal::default() });
         };
-        // z / N = (d / p) <length of lines within s/2>
-        let per_pass_um = burst_um / pulse_um * made.reach_m * 1e6;
-        // At most a billion, so that the cast cannot overflow.
-        let passes = (design_um / per_pass_um).round().clamp(1.0, MAX_PASSES) as u32;
         let made_um = f64::from(passes) * per_pass_um;
         let area_m2 = layout.cavity_area_m2();
         let mean_um = self.volume_m3(laser, passes)? / area_m2 * 1e6;

@@ -132,7 +132,41 @@ pub struct WorkSheet {
 /// Estimated marking time for all cavities of `layout`, in seconds, as on the process sheet; `None` if laser parameters
 /// are missing.
 pub fn laser_time_s(layout: &Layout, laser: &Laser) -> Option<f64> {
-    WorkSheet::new(layout, laser).estimated_time_s
+    time_s(layout, laser, hatched(layout, laser).as_ref())
+}
+
+/// The hatch of all cavities of `layout`; `None` for a mask, which exposes whole cavities, and without a spot diameter.
+fn hatched(layout: &Layout, laser: &Laser) -> Option<Hatched> {
+    let marking = Marking::new(laser).ok().filter(|_| !laser.is_mask())?;
+    Some(Hatched::new(layout, &marking))
+}
+
+/// Largest number of spots in a cavity, and number on the specimen; `None` for a mask and without a spot diameter.
+fn spots(layout: &Layout, laser: &Laser) -> Option<(u64, u64)> {
+    let spot_um = laser.spot_um.filter(|_| !laser.is_mask())?;
+    Some(layout.iter().fold((0, 0), |(longest, sum), cavity| {
+        let spots = spots_along(cavity.width_m, spot_um) * spots_along(cavity.length_m, spot_um);
+        (spots.max(longest), sum + spots)
+    }))
+}
+
+/// Length of all lines, in millimetres.
+fn marked_length_mm(hatched: &Hatched) -> f64 {
+    six_digits(hatched.length_m * 1e3)
+}
+
+/// Marking time, in seconds, by passes over the lines of `hatched`, or else by bursts; `None` if parameters are missing.
+fn time_s(layout: &Layout, laser: &Laser, hatched: Option<&Hatched>) -> Option<f64> {
+    let passes = hatched.and_then(|hatched| Some((hatched.passes(layout, laser)?, marked_length_mm(hatched))));
+    let time_s = if let Some(((passes, length_mm), speed_mm_s)) = passes.zip(laser.speed_mm_s) {
+        // t = n_passes L / v
+        f64::from(passes) * length_mm / speed_mm_s
+    } else {
+        // Places that are exposed one by one: whole cavities for a mask, otherwise spots. t = N n_bursts / f
+        let exposed = if laser.is_mask() { layout.cavities() as u64 } else { spots(layout, laser)?.1 };
+        exposed as f64 * f64::from(laser.bursts(layout.pattern().depth_m())?) / laser.repetition_hz?
+    };
+    Some(six_digits(time_s))
 }
 
 impl WorkSheet {
@@ -164,25 +198,19 @@ impl WorkSheet {
             },
             ..Self::default()
         };
-        if let Some(spot_um) = laser.spot_um.filter(|_| !laser.is_mask()) {
-            let (longest, sum) = layout.iter().fold((0, 0), |(longest, sum), cavity| {
-                let spots = spots_along(cavity.width_m, spot_um) * spots_along(cavity.length_m, spot_um);
-                (spots.max(longest), sum + spots)
-            });
-            (sheet.spots_per_cavity, sheet.spots_on_specimen) = (Some(longest), Some(sum));
+        (sheet.spots_per_cavity, sheet.spots_on_specimen) = spots(layout, laser).unzip();
+        let hatched = hatched(layout, laser);
+        if let Some(hatched) = &hatched {
+            sheet.mark(layout, laser, hatched);
         }
-        sheet.mark(layout, laser);
-        sheet.estimate(layout, laser);
+        sheet.estimated_time_s = time_s(layout, laser, hatched.as_ref());
+        sheet.estimate(laser);
         sheet
     }
 
-    /// Fills in lines, overlaps and passes; nothing for a mask or without a spot diameter.
-    fn mark(&mut self, layout: &Layout, laser: &Laser) {
-        // A mask exposes whole cavities, so that there are no lines.
-        let Some(marking) = Marking::new(laser).ok().filter(|_| !laser.is_mask()) else { return };
-        let hatched = Hatched::new(layout, &marking);
-        (self.lines_on_specimen, self.marked_length_mm) =
-            (Some(hatched.lines), Some(six_digits(hatched.length_m * 1e3)));
+    /// Fills in lines, overlaps and passes of `hatched`.
+    fn mark(&mut self, layout: &Layout, laser: &Laser, hatched: &Hatched) {
+        (self.lines_on_specimen, self.marked_length_mm) = (Some(hatched.lines), Some(marked_length_mm(hatched)));
         self.spot_compensation_um = hatched.outermost_m().map(micrometres);
         self.marking_direction = Some(
             if layout.pattern().planform() == Planform::Crosshatch {
@@ -218,25 +246,11 @@ impl WorkSheet {
         }
     }
 
-    fn estimate(&mut self, layout: &Layout, laser: &Laser) {
-        let passes = self.removal.as_ref().map(|removal| removal.passes);
-        let lines = passes.zip(self.marked_length_mm).zip(laser.speed_mm_s);
-        // Places that are exposed one by one: whole cavities for a mask, otherwise spots.
-        let exposed = if laser.is_mask() { Some(layout.cavities() as u64) } else { self.spots_on_specimen };
-        let burnt = exposed.zip(self.bursts_per_cavity).zip(laser.repetition_hz);
-        let time_s = match (lines, burnt) {
-            // t = n_passes L / v
-            (Some(((passes, length_mm), speed_mm_s)), _) => Some(f64::from(passes) * length_mm / speed_mm_s),
-            // t = N n_bursts / f
-            (None, Some(((exposed, bursts), repetition_hz))) => {
-                Some(exposed as f64 * f64::from(bursts) / repetition_hz)
-            }
-            (None, None) => None,
-        };
-        self.estimated_time_s = time_s.map(six_digits);
+    /// Says how the marking time is estimated, or why it is not.
+    fn estimate(&mut self, laser: &Laser) {
         let missing = laser.missing_for_time();
         self.no_estimate_because = (!missing.is_empty()).then(|| format!("not given: {}", missing.join(", ")));
-        let (formula, assumptions) = if lines.is_some() {
+        let (formula, assumptions) = if self.removal.is_some() {
             (LINE_TIME_FORMULA, LINE_TIME_ASSUMPTIONS)
         } else if laser.is_mask() {
             (MASK_TIME_FORMULA, MASK_TIME_ASSUMPTIONS)
