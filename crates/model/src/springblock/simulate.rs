@@ -256,6 +256,8 @@ impl Steady {
         let loads = loads.map(|(load, dynamic_mu)| SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu, area_law });
         let loads: Vec<SteadyLoad> = loads.collect();
         match self {
+            // Loads under which blocks lift have factors of their own.
+            Self::Blocks(model) if scene.run.liftoff => loads.par_iter().map(|load| model.solve(load)).collect(),
             Self::Blocks(model) => loads.par_chunks(BATCH).flat_map_iter(|loads| model.solve_all(loads)).collect(),
             Self::Thick(model) => loads.par_iter().map(|load| model.solve(load)).collect(),
             // Points that one load has flattened remain flat for the next load, so loads are solved in sequence.
@@ -283,9 +285,10 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
     };
     let (columns, is_plain, flat_columns) = (own.nx(), own.is_plain(), flat.as_ref().map_or(0, Vec::len));
     let (own, flat) = rayon::join(|| Steady::new(scene, own), || flat.map(|c| Steady::new(scene, lattice(scene, c))));
-    let flat = flat.map(|flat| flat.solve_all(scene, flat_columns));
-    let own = own.solve_all(scene, columns).into_iter().enumerate();
+    let (own, flat) =
+        rayon::join(|| own.solve_all(scene, columns), || flat.map(|flat| flat.solve_all(scene, flat_columns)));
     let flat = |number: usize| flat.as_ref().map(|all| all[number].clone());
+    let own = own.into_iter().enumerate();
     let loads = own.map(|(number, own)| compare(&scene.loads[number], own, flat(number))).collect();
     monitor.advance(1.0);
     let mut statements = Statements::default();
