@@ -28,8 +28,8 @@ const MIN_SAMPLES_PER_BATCH: usize = 2;
 pub struct WindowMean {
     /// Mean over time of the friction coefficient.
     pub mu: f64,
-    /// Standard error of the mean, from the deviations of the batch means from their least-squares line, and with that
-    /// of a subtracted zero.
+    /// Standard error of the mean, from the deviations of the batch means from their least-squares line, in quadrature
+    /// with those of a subtracted zero.
     pub stderr: f64,
     /// Change of the friction coefficient over the window, from the line through the batch means.
     pub drift: f64,

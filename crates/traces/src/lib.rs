@@ -288,7 +288,12 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     let mut mu: Vec<f64> = loaded.iter().map(|&i| coefficient(i)).collect();
     let mut time_s: Vec<f64> = loaded.iter().map(|&i| time_s[i]).collect();
     if let Some(share) = options.stroke_share {
-        let load: Vec<f64> = loaded.iter().map(|&i| divisor(i)).collect();
+        // An instrument that writes the coefficient has divided by the normal force.
+        let load = |i: usize| match channels.tangential {
+            Tangential::Coefficient(_) => load_sign * channels.normal_force_n[i],
+            _ => divisor(i),
+        };
+        let load: Vec<f64> = loaded.iter().map(|&i| load(i)).collect();
         (time_s, mu) = strokes::friction_of_strokes(&time_s, [&mu, &load], options.window_s, share, &mut flags)?;
     } else if correct_sign(&time_s, &mut mu, options.window_s)? {
         flags.push(TraceFlag::Odd("friction is recorded as negative and was turned".to_owned()));

@@ -202,8 +202,12 @@ mod tests {
                 *load_n *= factor;
                 *force_n = *force_n * factor + 0.6;
             }
-            let found = analyse(&trace, &OPTIONS).unwrap();
-            assert!((found.window.mu - 0.25).abs() < 1e-7, "{a}: {:?}", found.window);
+            let ratio = force_n.iter().zip(&trace.normal_force_n).map(|(force_n, load_n)| force_n / load_n).collect();
+            let divided = TraceChannels { tangential: Tangential::Coefficient(ratio), ..trace.clone() };
+            for trace in [trace, divided] {
+                let found = analyse(&trace, &OPTIONS).unwrap();
+                assert!((found.window.mu - 0.25).abs() < 1e-7, "{a}: {:?}", found.window);
+            }
         }
     }
 

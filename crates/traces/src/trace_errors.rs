@@ -111,7 +111,7 @@ impl fmt::Display for TraceFlag {
             ),
             Self::StrokesDiffer { offset, relative } => write!(
                 f,
-                "strokes there and back differ by an offset of {offset:+.4}, {:.0} % of friction: half the width of the loop is taken",
+                "strokes there and back differ by an offset of {offset:+.4}, {:.0} % of friction: the width of the loop over the sum of both loads is taken",
                 100.0 * relative.abs()
             ),
             Self::SignNotRecorded => f.write_str(
