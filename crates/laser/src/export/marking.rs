@@ -39,7 +39,7 @@ pub(crate) struct Hatch {
     marking: Marking,
     /// Where the centre of the spot may be; `None` on a face smaller than the spot.
     face: Option<Outline>,
-    /// Width of most cavities, and the distance of the outermost lines from their walls, in metres.
+    /// Lesser extent of the first cavity, and the distance of the outermost lines from walls so far apart, in metres.
     outermost_m: [f64; 2],
 }
 

@@ -179,8 +179,8 @@ impl Found {
             .collect()
     }
 
-    /// Median of `lengths` on lines across `region` or beside it, in pixels, for grooves the mean of those near the median;
-    /// `None` without lengths. Of walls within a pixel lengths are whole numbers, and so is their median.
+    /// Median of `lengths` on lines across `region` or beside it, in pixels; of cavities that the map cuts, as it does
+    /// grooves, the mean of those near the median; `None` without lengths. Of walls within a pixel lengths are whole numbers, and so is their median.
     pub(super) fn typical(&self, region: usize, lengths: &mut [f64]) -> Option<f64> {
         let middle = median(lengths)?;
         // Corners shorten the lines beside them.

@@ -3,10 +3,11 @@
 //! The form is fitted to the land only, which is the upper of two groups of heights. A cavity is a connected region
 //! below half depth. Its width along an axis is the median of the chords that lines cut out of it; the spacing is the
 //! median gap to the next cavity on the same lines. Of grooves both are means near the median. Edges are interpolated
-//! between pixels where the height crosses the cavity's own half depth. For round cavities the width is the diameter of the disc (or ellipse) with the same area at
-//! half depth, and the spacing is the distance of neighbouring centres minus the diameter. Cavities cut by the map's
-//! sides have no width, and their spacing counts only if no whole cavities face each other. If every second row is
-//! shifted by half a pitch, the spacing across the rows is the land to the next row ([`StaggeredRows`]).
+//! between pixels where the height crosses the cavity's own half depth. For round cavities the width is the diameter of
+//! the disc (or ellipse) with the same area at half depth, and the spacing is the distance of neighbouring centres
+//! minus the diameter. Cavities cut by the map's sides have no width, and their spacing counts only if no whole
+//! cavities face each other. If every second row is shifted by half a pitch, the spacing across the rows is the land to
+//! the next row ([`StaggeredRows`]).
 //!
 //! The depth is the height of the adjacent land above the middle third of the cavity's width. The land is taken from
 //! one third of the width to the full width away from each edge (after ISO 5436-1, type A1), which excludes rims and
