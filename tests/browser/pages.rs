@@ -4,6 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::{Value, json};
+use slipgrid_laser::export::{Outline, Specimen};
+use slipgrid_model::pattern::{Arrangement, Pattern, Planform, Texture};
 
 use super::devtools::Chromium;
 use super::{Page, slipgrid};
@@ -123,12 +125,7 @@ fn cavities_that_close_have_no_answer() {
         return;
     };
     let mut at = |lengths: [f64; 3]| {
-        for (place, length) in lengths.into_iter().enumerate() {
-            page.ask(&format!(
-                "(() => {{ const own = document.querySelector('[data-number=\"{place}\"]'); own.value = {length}; \
-                 own.dispatchEvent(new Event('change')); }})()"
-            ));
-        }
+        page.ask(&typed(lengths));
         let of = |name: &str| format!("document.querySelector('[data-{name}]').textContent");
         ["verdict", "first", "second", "closed-words"].map(|name| page.ask(&of(name)).as_str().unwrap().to_owned())
     };
@@ -140,6 +137,68 @@ fn cavities_that_close_have_no_answer() {
     let [ratio, mu] = [first, second].map(|own| own.parse::<f64>().unwrap());
     assert!(verdict.is_empty() && ratio > 0.8 && (mu / ratio / 0.243 - 1.0).abs() < 4e-3, "{verdict} {ratio} {mu}");
     assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
+/// The page counts the cavities that fit on a specimen as the layout does, for every planform and outline.
+#[test]
+#[ignore = "needs Chromium"]
+fn a_page_shows_the_areal_density_of_the_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("explore.html");
+    let disc = "shape = \"disc\"\ndiameter_mm = 2.0\n";
+    let ring = "shape = \"ring\"\nouter_diameter_mm = 4.0\ninner_diameter_mm = 1.7\n";
+    let plate = "shape = \"rectangle\"\nlength_mm = 3.1\nwidth_mm = 2.3\n";
+    let [disc_of, ring_of, plate_of] = [
+        Outline::Disc { diameter_m: 2e-3 },
+        Outline::Ring { outer_diameter_m: 4e-3, inner_diameter_m: 1.7e-3 },
+        Outline::Rectangle { length_m: 3.1e-3, width_m: 2.3e-3 },
+    ];
+    let texture = Texture::new;
+    let hexagonal = texture(Planform::Disc).with_arrangement(Arrangement::Hexagonal).unwrap();
+    let staggered = texture(Planform::Square).with_arrangement(Arrangement::Staggered).unwrap();
+    for (specimen, outline, planform, texture) in [
+        (disc, disc_of, "groove\"", texture(Planform::Groove)),
+        (ring, ring_of, "groove\"", texture(Planform::Groove)),
+        (plate, plate_of, "groove\"\nangle_deg = 90.0", texture(Planform::Groove).with_groove_angle_deg(90.0).unwrap()),
+        (ring, ring_of, "square\"\narrangement = \"staggered\"", staggered),
+        (plate, plate_of, "square\"", texture(Planform::Square)),
+        (disc, disc_of, "disc\"\narrangement = \"hexagonal\"", hexagonal),
+        (ring, ring_of, "disc\"", texture(Planform::Disc)),
+    ] {
+        let design = super::DESIGN
+            .split("[pattern]")
+            .next()
+            .unwrap()
+            .replace("spacing_um = [40.0, 1000.0]", "spacing_um = [60.0, 400.0]");
+        let design = format!(
+            "{design}[pattern]\nplanform = \"{planform}\n[specimen]\n{specimen}[sample]\nlayer_um = 80\nblock_um = 20\n"
+        );
+        run(&["explore", &file(folder.path(), "design.toml", &design), "-o", path.to_str().unwrap()]);
+        let Some(mut page) = Chromium::open(&path) else {
+            println!("skipped: no Chromium");
+            return;
+        };
+        for lengths in [[101.3, 98.7, 10.0], [63.0, 217.3, 10.0], [208.1, 371.9, 10.0], [85.6, 71.2, 10.0]] {
+            page.ask(&typed(lengths));
+            let shown = page.ask("document.querySelector('[data-density]').textContent");
+            let [width_m, spacing_m, depth_m] = lengths.map(|um: f64| 1e-6 * um);
+            let pattern = Pattern::new(texture, width_m, spacing_m, depth_m).unwrap();
+            let layout = Specimen { outline, is_clipped: false }.layout(pattern).unwrap();
+            assert_eq!(shown, json!(format!("{:.1}", 100.0 * layout.areal_density())), "{planform} {lengths:?}");
+        }
+        assert_eq!(page.complaints(), Vec::<String>::new());
+    }
+}
+
+/// Script that types `lengths` into the fields of the explorer.
+fn typed(lengths: [f64; 3]) -> String {
+    let one = |(place, length): (usize, f64)| {
+        format!(
+            "(() => {{ const own = document.querySelector('[data-number=\"{place}\"]'); own.value = {length}; \
+             own.dispatchEvent(new Event('change')); }})();"
+        )
+    };
+    lengths.into_iter().enumerate().map(one).collect()
 }
 
 /// A cell of the map is hatched if and only if the design chosen by a click on it violates a limit.

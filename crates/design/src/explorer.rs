@@ -1,14 +1,19 @@
 //! Predictions for a sample of any texture within the bounds, on a lattice, so that a page only has to interpolate.
+//!
+//! The areal density of a small specimen jumps where one more cavity fits. Nodes therefore hold predictions for several
+//! cavity fractions of the face over that of a period, between which the predictions are smooth; a texture has its own.
 
 use std::ops::Range;
 
 use crate::results::material_doubts;
 use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
-use slipgrid_base::statistics::{Axis, ResponseSurface, median};
+use slipgrid_base::statistics::{Axis, ResponseSurface, extremes, median};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_laser::export::{Layout, Specimen, laser_time_s};
+use slipgrid_laser::specimen::Laid;
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{Load, Simulation};
+use slipgrid_model::springblock::{Dimension, Load, Simulation};
 
 use crate::DesignError;
 use crate::prediction::Prediction;
@@ -24,6 +29,17 @@ use crate::timings::Timings;
 const NODES: Density = ([4.0, 3.5, 2.2], [11, 12, 8]);
 /// Number of random textures at which the interpolation error is estimated.
 const CHECKS: usize = 60;
+/// Number of random textures whose cavity fractions bound those of all textures.
+const LAID: usize = 1000;
+/// Distance of the nodes of cavity fractions between which the log odds are interpolated. Half of it changes no chance
+/// by 0.005 (`an_explorer_says_what_the_search_does_of_every_texture`).
+const SHARE_STEP: f64 = 0.15;
+/// Maximum number of nodes of cavity fractions.
+const MAX_SHARES: usize = 7;
+/// Minimum distance of the smallest and greatest cavity fraction.
+const SAME_SHARE: f64 = 1e-3;
+/// Number of outputs of [`Explorer::beside`].
+pub const BESIDE: usize = 6;
 /// Range of the correction of nodes around the design to the reported values: standard deviation of a Gaussian weight
 /// in the logarithms of the lengths, about two nodes.
 const NEARBY: f64 = 0.5;
@@ -36,14 +52,21 @@ const MIN_CHANCE: f64 = 1e-4;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explorer {
     /// Interpolated over width, spacing and depth in micrometres, in the quantity of the target: medians of samples at
-    /// all loads of all conditions, then lower ends of the 95 % intervals of samples, then upper ends.
+    /// all loads of all conditions, then lower ends of the 95 % intervals of samples, then upper ends; all for the first
+    /// of [`Self::quantile_nodes`] evenly spaced cavity fractions between `shares`, then all for the next.
     pub expected: ResponseSurface,
-    /// Interpolated log odds ln(p / (1 - p)), p the chance that a sample is on target.
+    /// Interpolated log odds ln(p / (1 - p)), p the chance that a sample is on target, for evenly spaced cavity
+    /// fractions between `shares`.
     pub log_odds: ResponseSurface,
-    /// Five interpolated values: logarithm of the maximum local pressure in MPa, minimum height of a cavity's ceiling
-    /// under load in micrometres, share of the specimen's face that is cavity, logarithm of the laser time in seconds (0 if unknown),
-    /// and minimum ratio of local to nominal pressure.
+    /// Six interpolated values: logarithm of the maximum local pressure in MPa, minimum height of a cavity's ceiling
+    /// under load in micrometres, minimum ratio of local to nominal pressure, logarithm of the laser time in seconds
+    /// (0 if unknown) over the share of the face that is cavity, this share, and the cavity fraction as in `shares`.
     pub beside: ResponseSurface,
+    /// Cavity fractions of the face over that of a period between which all textures lie.
+    pub shares: [f64; 2],
+    specimen: Specimen,
+    /// Dimension of the model.
+    pub dimension: Dimension,
     /// Indices of nodes that the model cannot compute; no values are interpolated between them and adjacent nodes.
     pub holes: Vec<usize>,
     /// Number of random textures at which interpolated medians were compared with direct predictions.
@@ -106,19 +129,20 @@ impl Explored {
     /// Interpolates the prediction for samples with width, spacing and depth `lengths_um`, at the loads of the first
     /// condition; `None` outside the bounds and beside textures that the model cannot compute.
     pub fn predict(&self, lengths_um: [f64; 3]) -> Option<ExploredTexture> {
-        let Explorer { expected, log_odds, beside, holes, .. } = &self.explorer;
+        let Explorer { expected, beside, holes, .. } = &self.explorer;
         let is_within = expected.axes().iter().zip(lengths_um).all(|(axis, length_um)| {
             (axis.from * (1.0 - BOUND_ROUNDING)..=axis.to * (1.0 + BOUND_ROUNDING)).contains(&length_um)
         });
         if !is_within || expected.is_beside(holes, &lengths_um) {
             return None;
         }
+        let pattern = self.task.space.pattern(lengths_um.map(|um| LENGTH_UM.to_si(um))).ok()?;
+        let layout = self.task.specimen.layout(pattern).ok()?;
         let points = self.task.target.points();
-        let all = expected.at(&lengths_um);
+        let (all, log_odds) = self.explorer.sample(&layout);
         // Medians of every load of every condition, then the lower ends, then the upper ends.
         let part = |number: usize| all[number * all.len() / 3..][..points.len()].to_vec();
         let has_demand = points.iter().any(|point| point.wanted.band().iter().any(Option::is_some));
-        let log_odds = log_odds.at(&lengths_um)[0];
         let beside = beside.at(&lengths_um);
         Some(ExploredTexture {
             expected: part(0),
@@ -127,8 +151,8 @@ impl Explored {
             chance: has_demand.then(|| 1.0 / (1.0 + (-log_odds).exp())),
             peak_pressure_mpa: beside[0].exp(),
             clearance_um: beside[1],
-            areal_density: beside[2],
-            laser_s: self.task.laser_time_s(&self.pattern).map(|_| beside[3].exp()),
+            areal_density: layout.areal_density(),
+            laser_s: laser_time_s(&layout, &self.task.laser),
         })
     }
 
@@ -187,6 +211,25 @@ impl Explorer {
         !self.expected.is_beside(&self.holes, &pattern.lengths_m().map(|m| LENGTH_UM.from_si(m)))
     }
 
+    /// Number of cavity fractions between which medians and ends of intervals are interpolated.
+    pub fn quantile_nodes(&self) -> usize {
+        self.log_odds.outputs().min(3)
+    }
+
+    /// Medians and ends of 95 % intervals as in [`Self::expected`], and log odds, of samples laid out as in `layout`.
+    pub fn sample(&self, layout: &Layout) -> (Vec<f64>, f64) {
+        let lengths_um = layout.pattern().lengths_m().map(|m| LENGTH_UM.from_si(m));
+        let share = Laid::from_layout(layout, self.dimension).share(layout.pattern());
+        let at = |surface: &ResponseSurface, outputs| between(&surface.at(&lengths_um), outputs, self.shares, share);
+        (at(&self.expected, self.quantile_nodes()), at(&self.log_odds, self.log_odds.outputs())[0])
+    }
+
+    /// Medians and ends of 95 % intervals as in [`Self::expected`] of samples of `pattern`; `None` if the specimen does
+    /// not take it.
+    pub fn expected_of(&self, pattern: Pattern) -> Option<Vec<f64>> {
+        Some(self.sample(&self.specimen.layout(pattern).ok()?).0)
+    }
+
     /// Builds the explorer from the table of `search`, corrected by the table's error at the texture of `about`, and
     /// with the covariance of the errors that samples of this texture share. Near this texture the maximum pressure is
     /// that of `run`, a dynamic run of the texture on the specimen, where outer lands carry more than in an infinite
@@ -196,64 +239,129 @@ impl Explorer {
         let off = search.off_at(about);
         let bounds_um = task.space.lengths_m().map(|bounds| bounds.map(|m| LENGTH_UM.from_si(m)));
         let axes = axes_between(bounds_um, NODES);
-        let predicted = |lengths_um: &[f64; 3]| {
-            let pattern = task.space.pattern(lengths_um.map(|um| LENGTH_UM.to_si(um))).ok()?;
-            if search.stage.cancelled() {
-                return None;
-            }
-            let found = search.roughly_with(&pattern, &off, &about.texture.covariance, 1.0)?;
-            Some((pattern, found))
+        let pattern = |lengths_um: &[f64; 3]| task.space.pattern(lengths_um.map(|um| LENGTH_UM.to_si(um))).ok();
+        let dimension = search.models.own.dimension();
+        let laid = |lengths_um: &[f64; 3]| {
+            let layout = task.specimen.layout(pattern(lengths_um)?).ok()?;
+            Some((Laid::from_layout(&layout, dimension).share(layout.pattern()), layout))
         };
-        // Medians and 95 % intervals of samples in the quantity of the target, and the log odds.
-        let numbers_of = |found: &Prediction| {
+        let nodes = ResponseSurface::nodes(&axes);
+        let places = [&nodes[..], &random_places(&axes, LAID, 3)].concat();
+        let laid_shares: Vec<f64> = places.par_iter().filter_map(|place| Some(laid(place)?.0)).collect();
+        let [from, to] = extremes(laid_shares);
+        let shares = [from, to.max(from + SAME_SHARE)];
+        // One prediction for each half of the range, or several for each.
+        let halves = ((to - from) / (2.0 * SHARE_STEP)).ceil() as usize;
+        let log_odds_nodes = if to - from < SHARE_STEP { 2 } else { 1 + 2 * halves.min(MAX_SHARES / 2) };
+        let quantile_nodes = log_odds_nodes.min(3);
+        let predicted = |lengths_um: &[f64; 3], share: f64| {
+            let pattern = pattern(lengths_um).filter(|_| !search.stage.cancelled())?;
+            let laid = Laid::of_share(share, &pattern, dimension);
+            search.roughly_with((&pattern, &laid), &off, &about.texture.covariance, 1.0)
+        };
+        // Medians and 95 % intervals of samples in the quantity of the target.
+        let quantiles_of = |found: &Prediction| -> Vec<f64> {
             let at = |load: usize, p: f64| search.asked.bands[load].flat * found.quantile(load, p);
-            let quantiles = [0.5, 0.025, 0.975].into_iter().flat_map(|p| (0..loads).map(move |load| (load, p)));
-            let mut numbers: Vec<f64> = quantiles.map(|(load, p)| at(load, p)).collect();
-            let chance = found.chance().clamp(MIN_CHANCE, 1.0 - MIN_CHANCE);
-            numbers.push((chance / (1.0 - chance)).ln());
-            numbers
+            [0.5, 0.025, 0.975].into_iter().flat_map(|p| (0..loads).map(move |load| at(load, p))).collect()
         };
-        let beside_of = |pattern: &Pattern, run: Option<&Simulation>| {
+        let log_odds_of = |found: &Prediction| {
+            let chance = found.chance().clamp(MIN_CHANCE, 1.0 - MIN_CHANCE);
+            (chance / (1.0 - chance)).ln()
+        };
+        let beside_of = |(share, layout): &(f64, Layout), run: Option<&Simulation>| {
+            let (pattern, density) = (layout.pattern(), layout.areal_density());
             let answer = search.table.answer(pattern)?;
             let peak_pa = run.map_or_else(|| answer.peak_pressure_pa(), Simulation::peak_pressure_pa);
             Some([
                 PRESSURE_MPA.from_si(peak_pa).ln(),
                 answer.clearance_um.unwrap_or_else(|| LENGTH_UM.from_si(pattern.depth_m())),
-                task.specimen.layout(*pattern).ok()?.areal_density(),
-                task.laser_time_s(pattern).map_or(0.0, f64::ln),
                 answer.least_pressure,
+                laser_time_s(layout, &task.laser).map_or(0.0, |laser_s| (laser_s / density).ln()),
+                density,
+                *share,
             ])
         };
         let node = |lengths_um: &[f64; 3]| {
-            let (pattern, found) = predicted(lengths_um)?;
-            Some([&numbers_of(&found)[..], &beside_of(&pattern, None)?].concat())
+            let at = |node: usize| shares[0] + (shares[1] - shares[0]) * node as f64 / (log_odds_nodes - 1) as f64;
+            let found = (0..log_odds_nodes).map(|node| predicted(lengths_um, at(node))).collect::<Option<Vec<_>>>()?;
+            let quantiles = found.iter().step_by((log_odds_nodes - 1) / (quantile_nodes - 1)).flat_map(quantiles_of);
+            let log_odds: Vec<f64> = found.iter().map(log_odds_of).collect();
+            Some([quantiles.collect(), log_odds, beside_of(&laid(lengths_um)?, None)?.to_vec()].concat())
         };
-        let nodes = ResponseSurface::nodes(&axes);
         let answers: Vec<Option<Vec<f64>>> = nodes.par_iter().map(node).collect();
         if search.stage.cancelled() {
             return None;
         }
         let (all, holes) = filled(answers, &axes)?;
-        let mut reported = numbers_of(about);
-        reported.extend(beside_of(&about.texture.pattern, run).into_iter().flatten());
-        let all = self_consistent(all, &axes, (&nodes, &holes), about, &reported);
-        let (expected, log_odds) = (surface(&axes, &all, 0..3 * loads), surface(&axes, &all, 3 * loads..3 * loads + 1));
-        let beside = surface(&axes, &all, 3 * loads + 1..3 * loads + 6);
+        let ends = [3 * loads * quantile_nodes, 3 * loads * quantile_nodes + log_odds_nodes];
+        let own = laid(&about.texture.pattern.lengths_m().map(|m| LENGTH_UM.from_si(m)))?;
+        let mixed = |numbers: &[f64]| {
+            let (quantiles, rest) = numbers.split_at(ends[0]);
+            let (log_odds, beside) = rest.split_at(log_odds_nodes);
+            [
+                &between(quantiles, quantile_nodes, shares, own.0)[..],
+                &between(log_odds, log_odds_nodes, shares, own.0),
+                beside,
+            ]
+            .concat()
+        };
+        let mut reported = quantiles_of(about);
+        reported.push(log_odds_of(about));
+        reported.extend(beside_of(&own, run).into_iter().flatten());
+        // The same for all cavity fractions.
+        let missing = |numbers: &[f64]| {
+            let off: Vec<f64> = reported.iter().zip(mixed(numbers)).map(|(reported, own)| reported - own).collect();
+            let (quantiles, rest) = off.split_at(3 * loads);
+            [&quantiles.repeat(quantile_nodes)[..], &vec![rest[0]; log_odds_nodes], &rest[1..]].concat()
+        };
+        let all = self_consistent(all, &axes, (&nodes, &holes), about, &missing);
+        let [expected, log_odds, beside] =
+            [0..ends[0], ends[0]..ends[1], ends[1]..ends[1] + BESIDE].map(|of| surface(&axes, &all, of));
         let checks = random_places(&axes, CHECKS, 2);
+        let (specimen, checked) = (task.specimen, 0);
+        let mut explorer = Self {
+            expected,
+            log_odds,
+            beside,
+            shares,
+            specimen,
+            dimension,
+            holes,
+            checked,
+            median_error: 0.0,
+            worst_error: 0.0,
+        };
         let off = |lengths_um: &[f64; 3]| {
-            if expected.is_beside(&holes, lengths_um) {
+            if explorer.expected.is_beside(&explorer.holes, lengths_um) {
                 return None;
             }
-            let medians = predicted(lengths_um)?.1.medians();
-            let known = expected.at(lengths_um);
+            let (share, layout) = laid(lengths_um)?;
+            let medians = predicted(lengths_um, share)?.medians();
+            let known = explorer.sample(&layout).0;
             let each = medians.iter().zip(&search.asked.bands).zip(&known);
             Some(each.map(|((median, band), known)| (band.flat * median - known).abs()).fold(0.0, f64::max))
         };
         let mut off: Vec<f64> = checks.par_iter().filter_map(off).collect();
-        let worst_error = tidy(off.iter().copied().fold(0.0, f64::max));
-        let (checked, median_error) = (off.len(), tidy(median(&mut off).unwrap_or(0.0)));
-        Some(Self { expected, log_odds, beside, holes, checked, median_error, worst_error })
+        explorer.worst_error = tidy(off.iter().copied().fold(0.0, f64::max));
+        (explorer.checked, explorer.median_error) = (off.len(), tidy(median(&mut off).unwrap_or(0.0)));
+        Some(explorer)
     }
+}
+
+/// Interpolates outputs at `share` by the polynomial through their `values` at `nodes` evenly spaced cavity fractions
+/// from the first to the second of `ends`: all outputs at the first node, then all at the second, and so on.
+fn between(values: &[f64], nodes: usize, [from, to]: [f64; 2], share: f64) -> Vec<f64> {
+    let (outputs, last) = (values.len() / nodes, (nodes - 1) as f64);
+    let place = last * ((share - from) / (to - from)).clamp(0.0, 1.0);
+    let weight = |node: usize| {
+        let others = (0..nodes).filter(|other| *other != node).map(|other| other as f64);
+        others.map(|other| (place - other) / (node as f64 - other)).product::<f64>()
+    };
+    let mut found = vec![0.0; outputs];
+    for (node, own) in values.chunks(outputs).enumerate() {
+        found.iter_mut().zip(own).for_each(|(found, own)| *found += weight(node) * own);
+    }
+    found
 }
 
 /// Interpolates those numbers of each node that have the indices `of`; `all` holds the numbers of each node.
@@ -262,18 +370,18 @@ fn surface(axes: &[Axis; 3], all: &[Vec<f64>], of: Range<usize>) -> ResponseSurf
     ResponseSurface::through(*axes, of.len(), numbers)
 }
 
-/// Corrects the numbers `all` of the nodes near the texture of `about`, so that interpolation gives the values
-/// `reported` at this texture. The correction decreases with distance. No correction is made if the texture lies beside
-/// a node that the model cannot compute.
+/// Corrects the numbers `all` of the nodes near the texture of `about` by what is `missing` of the numbers interpolated
+/// at this texture. The correction decreases with distance. No correction is made if the texture lies beside a node that
+/// the model cannot compute.
 fn self_consistent(
     mut all: Vec<Vec<f64>>,
     axes: &[Axis; 3],
     (nodes, holes): (&[[f64; 3]], &[usize]),
     about: &Prediction,
-    reported: &[f64],
+    missing: &dyn Fn(&[f64]) -> Vec<f64>,
 ) -> Vec<Vec<f64>> {
     let about_um = about.texture.pattern.lengths_m().map(|m| LENGTH_UM.from_si(m));
-    let own = surface(axes, &all, 0..reported.len());
+    let own = surface(axes, &all, 0..all[0].len());
     if own.is_beside(holes, &about_um) {
         return all;
     }
@@ -287,7 +395,7 @@ fn self_consistent(
     if at_about < MIN_REACHED {
         return all;
     }
-    let off: Vec<f64> = own.at(&about_um).iter().zip(reported).map(|(own, reported)| reported - own).collect();
+    let off = missing(&own.at(&about_um));
     for (numbers, weight) in all.iter_mut().zip(&weights) {
         numbers.iter_mut().zip(&off).for_each(|(number, off)| *number += off * weight[0] / at_about);
     }

@@ -14,6 +14,7 @@ use crate::optimize::{ConstraintQuantity, ModelFailure, Violation};
 use rayon::prelude::*;
 use slipgrid_base::monitor::{Monitor, Part as Share, cached};
 use slipgrid_infer::discrepancy::{Features, Measured, Predictor, Sensitivity, Trial};
+use slipgrid_laser::specimen::Laid;
 use slipgrid_model::pattern::Pattern;
 
 use self::progress::Progress;
@@ -128,14 +129,13 @@ impl Search<'_> {
     /// Interpolates `pattern` in the table; `None` next to a node that the model cannot compute, if cavities close
     /// under load, or if the specimen does not take `pattern`.
     pub fn interpolated(&self, pattern: &Pattern) -> Option<CutTexture> {
-        self.interpolated_with(pattern, 1.0)
+        self.interpolated_with(pattern, &self.table.lay(pattern)?, 1.0)
     }
 
-    /// Like [`Self::interpolated`], with `peak` times the peak pressure of the cell.
-    fn interpolated_with(&self, pattern: &Pattern, peak: f64) -> Option<CutTexture> {
-        let laid = self.table.lay(pattern)?;
-        let (modelled, answer) = self.table.at(pattern, &laid)?;
-        let shifts = self.table.dimension_shifts(pattern, &laid, &self.task.tolerances.unwrap_or_default())?;
+    /// Like [`Self::interpolated`], laid out as in `laid`, with `peak` times the peak pressure of the cell.
+    fn interpolated_with(&self, pattern: &Pattern, laid: &Laid, peak: f64) -> Option<CutTexture> {
+        let (modelled, answer) = self.table.at(pattern, laid)?;
+        let shifts = self.table.dimension_shifts(pattern, laid, &self.task.tolerances.unwrap_or_default())?;
         let texture = CutTexture::interpolated(*pattern, modelled, shifts);
         let texture = texture.moved(&self.table.by_blocks(pattern)).moved(&self.table.by_face(pattern));
         let answer = Answer { peak_pressure_mpa: peak * answer.peak_pressure_mpa, ..answer };
@@ -144,7 +144,7 @@ impl Search<'_> {
 
     /// Interpolates `pattern` in the table, corrected by the known errors of the table at solved textures.
     fn corrected(&self, pattern: &Pattern, known: &Progress) -> Option<CutTexture> {
-        let texture = self.interpolated_with(pattern, known.run_over_cell(pattern))?;
+        let texture = self.interpolated_with(pattern, &self.table.lay(pattern)?, known.run_over_cell(pattern))?;
         let texture = texture.moved(&known.off.at(pattern).unwrap_or_default());
         let texture = texture.moved(&known.by_cutting.at(pattern).unwrap_or_default());
         Some(CutTexture { covariance: known.covariance(pattern), ..texture })
@@ -180,10 +180,16 @@ impl Search<'_> {
         self.interpolated(pattern).map(|texture| self.predicted(texture))
     }
 
-    /// Predicts `pattern` for a lattice by the table, with the correction `off` of ln R at each load, the covariance of
-    /// ln R from shared errors, and `peak` times the peak pressure.
-    pub fn roughly_with(&self, pattern: &Pattern, off: &[f64], covariance: &[f64], peak: f64) -> Option<Prediction> {
-        let texture = self.interpolated_with(pattern, peak)?.moved(off);
+    /// Predicts `pattern` for a lattice by the table, laid out as in `laid`, with the correction `off` of ln R at each
+    /// load, the covariance of ln R from shared errors, and `peak` times the peak pressure.
+    pub fn roughly_with(
+        &self,
+        (pattern, laid): (&Pattern, &Laid),
+        off: &[f64],
+        covariance: &[f64],
+        peak: f64,
+    ) -> Option<Prediction> {
+        let texture = self.interpolated_with(pattern, laid, peak)?.moved(off);
         let texture = CutTexture { covariance: covariance.to_vec(), ..texture };
         Some(Prediction::new(texture, &self.of_lattices, self.asked))
     }

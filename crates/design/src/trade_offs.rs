@@ -88,7 +88,8 @@ pub fn of(search: &Search<'_>, best: &Prediction, solved: &[Prediction]) -> Opti
     let peak_off = peak_off.map_or(1.0, |(run, own)| run.peak_pressure_pa() / own.peak_pressure_pa());
     let value = |found: &Prediction, goal: &TradeOffGoal| value(search, found, *goal, peak_off);
     let one = |pattern: &Pattern| {
-        let found = search.roughly_with(pattern, &off, &best.texture.covariance, peak_off.max(1.0));
+        let laid = search.table.lay(pattern)?;
+        let found = search.roughly_with((pattern, &laid), &off, &best.texture.covariance, peak_off.max(1.0));
         let found = found.filter(|found| found.texture.excess == 0.0 && !search.stage.cancelled())?;
         let goals = wanted.goals.iter().map(|goal| value(&found, goal)).collect::<Option<Vec<f64>>>()?;
         Some(TradeOff { design: *pattern, goals })

@@ -76,12 +76,10 @@ def test_predictions_are_those_of_the_design_that_was_found() -> None:
     assert np.isnan(found.median[2]).all() and np.isnan(found.chance[2])
     own = design.next(1, [(60, 100, 10), (80, 120, 10)]).own
     for place, sample in enumerate(own):
-        # The lattice is smooth where one groove more fits on the disc of 2 mm, which adds its share of what the texture does.
-        median = sample.expected[0].median
-        one_groove = (1.0 - median) * (sample.design.width_um + sample.design.spacing_um) / 2000.0
-        assert found.median[place, 0] == pytest.approx(median, abs=one_groove + found.median_error)
-        assert found.low_95[place, 0] == pytest.approx(sample.expected[0].low_95, abs=0.02)
-        assert found.chance[place] == pytest.approx(sample.chance, abs=0.03)
+        # The ends of the disc of 2 mm and sliding in time are solved for these textures; the lattice takes those of its best.
+        assert found.median[place, 0] == pytest.approx(sample.expected[0].median, abs=0.01)
+        assert found.low_95[place, 0] == pytest.approx(sample.expected[0].low_95, abs=0.002)
+        assert found.chance[place] == pytest.approx(sample.chance, abs=0.003)
     assert found.quantity == "ratio" and 0.0 < found.median_error < found.max_error < 0.05
     pytest.importorskip("pandas")
     assert len(found.frame()) == 3 and found[1].frame()["width_um"].tolist() == [80.0]

@@ -46,6 +46,37 @@ fn the_table_has_the_areal_density_of_every_texture() {
     });
 }
 
+/// The explorer interpolates between nodes, with the cavity fraction of every texture.
+#[test]
+fn an_explorer_says_what_the_search_does_of_every_texture() {
+    let grooves = task(Planform::Groove);
+    let cut = trial(&grooves, [100e-6, 300e-6, 10.4e-6], [0.85, 0.83]);
+    let large = taught(&DesignTask { target: near(0.87, 0.03), ..grooves }, vec![cut]);
+    for task in [small(Planform::Groove, near(0.87, 0.03)), large, small(Planform::Square, near(0.92, 0.03))] {
+        searched(&task, |search| {
+            let best = search.greatest(&|_| true).0.unwrap();
+            let explorer = Explorer::new(search, &best, None).unwrap();
+            let (mut normals, off) = (Normals::new(11), search.off_at(&best));
+            let (mut of_median, mut of_chance) = (Vec::new(), Vec::new());
+            for _ in 0..60 {
+                let pattern = random(&task, &mut normals);
+                let laid = search.table.lay(&pattern).unwrap();
+                let found = search.roughly_with((&pattern, &laid), &off, &best.texture.covariance, 1.0);
+                let Some(found) = found else { continue };
+                let (expected, log_odds) = explorer.sample(&task.specimen.layout(pattern).unwrap());
+                let each = found.medians().into_iter().zip(&expected).map(|(exact, own)| (exact - own).abs());
+                of_median.push(each.fold(0.0, f64::max));
+                of_chance.push((1.0 / (1.0 + (-log_odds).exp()) - found.chance()).abs());
+            }
+            let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+            let worst = |of: &[f64]| of.iter().copied().fold(0.0, f64::max);
+            let numbers = [mean(&of_median), worst(&of_median), mean(&of_chance), worst(&of_chance)];
+            let is_near = numbers.iter().zip([4e-4, 3e-3, 0.01, 0.06]).all(|(own, most)| *own < most);
+            assert!(is_near && of_median.len() > 40, "{numbers:?} {:?}", explorer.shares);
+        });
+    }
+}
+
 /// Solves those textures of the grid as cut that are nearly the likeliest by the table.
 #[test]
 #[expect(clippy::print_stdout, reason = "a table for people")]

@@ -35,9 +35,13 @@ impl Laid {
     }
 
     /// Takes pattern and cavity fraction from `layout`.
-    pub(crate) fn from_layout(layout: &Layout, dimension: Dimension) -> Self {
-        let on_face = (density_share(layout, dimension), period_size(layout.pattern(), dimension));
-        Self { dimension, on_face: Some(on_face) }
+    pub fn from_layout(layout: &Layout, dimension: Dimension) -> Self {
+        Self::of_share(density_share(layout, dimension), layout.pattern(), dimension)
+    }
+
+    /// Lays out `designed` on a face whose cavity fraction is `share` times that of a period.
+    pub fn of_share(share: f64, designed: &Pattern, dimension: Dimension) -> Self {
+        Self { dimension, on_face: Some((share, period_size(designed, dimension))) }
     }
 
     /// Areal density of the face of a cut sample with the dimensions `made`, over that of an infinite pattern with

@@ -8,10 +8,10 @@
   // Response surfaces: tensor products of cubic B-splines in the logarithms of width, spacing and depth.
   const unpack = outputs => {
     let found = null;
-    outputs.forEach((text, place) => {
-      const bytes = Uint8Array.from(atob(text), letter => letter.charCodeAt(0)), view = new DataView(bytes.buffer), length = bytes.length / 4;
+    outputs.forEach(([least, step, text], place) => {
+      const bytes = Uint8Array.from(atob(text), letter => letter.charCodeAt(0)), view = new DataView(bytes.buffer), length = bytes.length / 2;
       found = found || new Float64Array(length * outputs.length);
-      for (let k = 0; k < length; k++) found[k * outputs.length + place] = view.getFloat32(4 * k, true);
+      for (let k = 0; k < length; k++) found[k * outputs.length + place] = least + step * view.getUint16(2 * k, true);
     });
     return found;
   };
@@ -56,11 +56,50 @@
     return { at, plane };
   };
   const axes = data.axes, loads = data.pressure_mpa.length;
-  // Medians at every load of every condition; the ends of 95 % of samples at the loads of the first; ln(p / (1 - p)) of the chance p; ln of the
-  // largest pressure, least height of a ceiling, share of the face, ln of the seconds under the laser, and least local over nominal pressure.
+  // Medians at every load of every condition; the ends of 95 % of samples at the loads of the first; ln(p / (1 - p)) of the chance p, each for some
+  // shares of the face over the share of a period; ln of the largest pressure, least height of a ceiling, least local over nominal pressure, ln of the
+  // seconds under the laser over the share of the face; where cavities are not counted, that share, too, and its quotient with that of a period.
   const medians = surface(data.medians, axes), lower = surface(data.lower, axes), upper = surface(data.upper, axes);
   const logOdds = surface(data.log_odds, axes), beside = surface(data.beside, axes);
-  const all_loads = data.medians.length, BESIDE = data.beside.length;
+  const all_loads = data.medians.length / data.share_nodes, BESIDE = data.beside.length;
+  // `count` outputs at a share: the polynomial through those at `nodes` shares, from `start` on, all of the first share first.
+  const atShare = (values, start, count, nodes, share) => {
+    const place = Math.min(Math.max((share - data.shares[0]) / (data.shares[1] - data.shares[0]), 0), 1) * (nodes - 1), found = new Array(count).fill(0);
+    for (let a = 0; a < nodes; a++) {
+      let weight = 1;
+      for (let b = 0; b < nodes; b++) if (b !== a) weight *= (place - b) / (a - b);
+      for (let o = 0; o < count; o++) found[o] += weight * values[start + a * count + o];
+    }
+    return found;
+  };
+  const oddsNodes = data.log_odds.length, medianNodes = data.share_nodes;
+  const face = data.face;
+  // Share of the face that is cavity, and its quotient with that of a period, by the complete cavities that fit on the specimen.
+  const laid = ([w, s]) => {
+    const pitch = w + s, slack = 1e-9 * pitch, { radius, hole, half, area } = face, of = ([a, b, c]) => a + b * w + c * s;
+    if (face.is_groove) {
+      let sum = 0;
+      for (let x = 0; ; x += pitch) {
+        const side = x + w / 2 - slack, end = radius ? Math.sqrt((radius - side) * (radius + side)) : side <= half[0] ? half[1] : NaN;
+        if (!(end >= 0)) break;
+        const near = Math.max(x - w / 2, 0), from = near < hole - slack ? Math.sqrt((hole - near) * (hole + near)) : 0, length = from ? end - from : 2 * end;
+        if (length >= w - slack) sum += (x ? 2 : 1) * (from ? 2 : 1) * length;
+      }
+      return [sum * w / area, sum * pitch / area];
+    }
+    const l = of(face.length), across = of(face.across), fill = face.is_round ? Math.PI / 4 : 1;
+    let count = 0;
+    for (let j = 0; ; j++) {
+      // Centres from `gap` to `reach` along the row fit.
+      const y = j * across, shift = face.is_shifted && j % 2 ? 0.5 : 0, rim = radius + slack, near = hole - slack, high = Math.max(y - l / 2, 0);
+      const reach = !radius ? (y + l / 2 <= half[1] + slack ? half[0] + slack - w / 2 : NaN) : face.is_round ? Math.sqrt((rim - w / 2) ** 2 - y * y) : Math.sqrt(rim * rim - (y + l / 2) ** 2) - w / 2;
+      if (!(reach >= 0)) break;
+      const gap = near <= 0 || high >= near ? 0 : face.is_round ? Math.sqrt((near + w / 2) ** 2 - y * y) : w / 2 + Math.sqrt(near * near - high * high);
+      const first = Math.max(Math.ceil(gap / pitch - shift), 0), last = Math.floor(reach / pitch - shift), centre = first === 0 && !shift ? 1 : 0;
+      count += (j ? 2 : 1) * Math.max(2 * (last - first + 1) - centre, 0);
+    }
+    return [count * fill * w * l / area, count * pitch * across / area];
+  };
   // Nodes without an answer are corners of cells without one; lengths of nodes are rounded.
   const holes = new Uint8Array(axes.reduce((product, axis) => product * axis.nodes, 1));
   for (const place of data.holes) holes[place] = 1;
@@ -74,8 +113,8 @@
       if (holes[(i * axes[1].nodes + j) * axes[2].nodes + k]) return true;
     return false;
   };
-  // Why a design between these nodes with a ceiling of this height has no answer, in words; null where it has one.
-  const gapOf = (nodes, height) => isBesideHole(nodes) ? "the model finds no answer near this design" : height <= 0 ? "the cavity closes under the load: no answer" : null;
+  // Why a design between these nodes has no answer, in words; null where it has one.
+  const gapOf = (nodes, { height, share }) => share === 0 ? "the specimen takes no cavity of this design: no answer" : isBesideHole(nodes) ? "the model finds no answer near this design" : height <= 0 ? "the cavity closes under the load: no answer" : null;
   const isWithin = (value, load) => (data.lowest[load % loads] === null || value >= data.lowest[load % loads]) && (data.highest[load % loads] === null || value <= data.highest[load % loads]);
   const chanceOf = odds => 1 / (1 + Math.exp(-odds));
 
@@ -83,15 +122,17 @@
   const bursts = depth => data.burst_um ? Math.max(1, Math.round(depth / data.burst_um)) : null;
   // Writes the quantities beside the expected values, decoded from `values` at `from`, into `own`.
   const readBeside = (values, from, own) => {
-    own.peak = Math.exp(values[from]); own.height = values[from + 1]; own.face = values[from + 2];
-    own.seconds = Math.exp(values[from + 3]); own.least = values[from + 4];
+    own.peak = Math.exp(values[from]); own.height = values[from + 1]; own.least = values[from + 2];
+    [own.face, own.share] = face ? laid(own.at) : [values[from + 4], values[from + 5]];
+    own.seconds = Math.exp(values[from + 3]) * own.face;
     return own;
   };
   const describe = at => {
-    const own = readBeside(beside.at(at), 0, {}), values = medians.at(at);
+    const own = readBeside(beside.at(at), 0, { at }), of = (surface, count, nodes) => atShare(surface.at(at), 0, count, nodes, own.share);
+    const values = of(medians, all_loads, medianNodes);
     return {
-      ...own, at, values, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), own.height), chance: chanceOf(logOdds.at(at)[0]),
-      lower: lower.at(at), upper: upper.at(at), isOn: values.every(isWithin), bursts: bursts(at[2]),
+      ...own, values, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), own), chance: chanceOf(of(logOdds, 1, oddsNodes)[0]),
+      lower: of(lower, loads, medianNodes), upper: of(upper, loads, medianNodes), isOn: values.every(isWithin), bursts: bursts(at[2]),
     };
   };
   const LIMITED = { peak: own => own.peak, land: own => own.at[1], spot: own => own.at[0], density: own => own.face, bearing: own => 1 - own.face, laser: own => own.seconds, clearance: own => own.height, least: own => own.least };
@@ -233,36 +274,34 @@
       image = context.createImageData(map.width, map.height);
       const at = state.slice(), nodes = axes.map((axis, k) => around(axis, state[k])), told = new Set();
       const [columns, rows] = [[h, hs], [v, vs]].map(([k, lengths]) => lengths.map(length => around(axes[k], length)));
+      const owns = Array.from({ length: cells }, (_, cell) => {
+        [at[h], at[v]] = [hs[cell % COLUMNS], vs[Math.floor(cell / COLUMNS)]];
+        return readBeside(sides, BESIDE * cell, { at: at.slice() });
+      });
       const gaps = Array.from({ length: cells }, (_, cell) => {
         [nodes[h], nodes[v]] = [columns[cell % COLUMNS], rows[Math.floor(cell / COLUMNS)]];
-        return gapOf(nodes, sides[BESIDE * cell + 1]);
+        return gapOf(nodes, owns[cell]);
       });
       for (const gap of gaps) if (gap) told.add(gap);
       find("closed-words").textContent = told.size ? `. Blank: ${[...told].join("; ")}` : "";
       // The chance, or without a target how low the value is at the pressure chosen.
-      const own = new Array(loads), rank = new Float64Array(cells);
+      const rank = new Float64Array(cells), size = medianNodes * all_loads;
+      const expected = owns.map(({ share }, cell) => atShare(values, cell * size, all_loads, medianNodes, share));
       let [least, most] = [Infinity, -Infinity];
       for (let cell = 0; cell < cells; cell++) {
         if (gaps[cell]) continue;
-        if (hasTarget) rank[cell] = odds[cell]; else {
-          for (let load = 0; load < loads; load++) own[load] = values[cell * all_loads + load];
-          rank[cell] = -between(own, pressure);
-        }
+        rank[cell] = hasTarget ? atShare(odds, cell * oddsNodes, 1, oddsNodes, owns[cell].share)[0] : -between(expected[cell], pressure);
         least = Math.min(least, rank[cell]);
         most = Math.max(most, rank[cell]);
       }
       const scale = find("scale");
       if (scale) scale.textContent = most >= least ? `from ${chanceInWords(chanceOf(least))} to ${chanceInWords(chanceOf(most))}` : "no design here has an answer";
-      const pixels = new Uint32Array(image.data.buffer), wide = map.width / COLUMNS, side = { at };
+      const pixels = new Uint32Array(image.data.buffer), wide = map.width / COLUMNS;
       for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column++) {
-        const cell = row * COLUMNS + column, from = BESIDE * cell;
-        [at[h], at[v]] = [hs[column], vs[row]];
-        readBeside(sides, from, side);
-        let isOn = hasTarget;
-        for (let load = 0; isOn && load < all_loads; load++) isOn = isWithin(values[cell * all_loads + load], load);
+        const cell = row * COLUMNS + column, isOn = hasTarget && expected[cell].every(isWithin);
         const tones = colours[isOn ? "on" : "off"][Math.round(LEVELS * (rank[cell] - least) / Math.max(most - least, 1e-9))];
         // Without an answer a cell is transparent, so that the card shows in any colour scheme.
-        const [plain, dark] = gaps[cell] ? [0, 0] : tones, hatch = limits.some(limit => isBroken(limit, side)) ? dark : plain;
+        const [plain, dark] = gaps[cell] ? [0, 0] : tones, hatch = limits.some(limit => isBroken(limit, owns[cell])) ? dark : plain;
         for (let y = row * wide; y < (row + 1) * wide; y++) for (let x = column * wide; x < (column + 1) * wide; x++) {
           pixels[y * map.width + x] = (x + y) % 8 === 0 ? hatch : plain;
         }

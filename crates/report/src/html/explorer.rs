@@ -15,14 +15,12 @@ use slipgrid_design::{
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Load;
 
-use self::surfaces::{AxisData, LENGTHS, Packed, axes_data};
+use self::surfaces::{AxisData, FaceData, LENGTHS, Packed, axes_data};
 use super::page::{Page, number};
 use super::points::{Point, in_words};
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
-/// Number of outputs of [`Explorer::beside`], the quantities in addition to the expected values and the chance.
-const BESIDE: usize = 5;
 
 /// Limit that the script of the page checks.
 #[derive(Serialize)]
@@ -42,7 +40,14 @@ struct Data {
     lowest: Vec<Option<f64>>,
     highest: Vec<Option<f64>>,
     flat_mu: Vec<f64>,
-    /// Median over samples at each load of each condition, the design condition first.
+    /// Cavity fractions of the face over that of a period between which all surfaces below but the last have as many
+    /// outputs as nodes.
+    shares: [f64; 2],
+    /// Number of nodes of the medians and intervals between `shares`.
+    share_nodes: usize,
+    /// Specimen and lattice, to count cavities; null to interpolate the last two outputs of `beside`.
+    face: Option<FaceData>,
+    /// Median over samples at each load of each condition, the design condition first; at each node of `shares`.
     medians: Packed,
     /// Lower end of the 95 % interval of samples at each load of the design condition.
     lower: Packed,
@@ -50,8 +55,7 @@ struct Data {
     upper: Packed,
     /// Logit ln(p / (1 - p)) of the chance p that a sample is on target.
     log_odds: Packed,
-    /// Outputs in this order: ln of the maximum local pressure in MPa, minimum height of a cavity's ceiling under load
-    /// in um, areal density, logarithm of the laser time in seconds, and minimum of local over nominal pressure.
+    /// Outputs as of [`Explorer::beside`]; the last two only without `face`.
     beside: Packed,
     /// Indices of the nodes of the surfaces at which the model gives no result.
     holes: Vec<usize>,
@@ -127,16 +131,19 @@ impl Subject<'_> {
     fn data(&self) -> Data {
         let (task, explorer) = (self.task, self.explorer);
         let target: TargetReport = (&task.target).into();
-        let (count, loads) = (target.pressure_mpa.len(), explorer.expected.outputs() / 3);
+        let nodes = explorer.quantile_nodes();
+        let (count, loads) = (target.pressure_mpa.len(), explorer.expected.outputs() / (3 * nodes));
         let own = PatternReport::from(self.pattern);
         let design = [own.width_um, own.spacing_um, own.depth_um];
         // The page interpolates between pressures, which a file may list in any order.
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|a, b| target.pressure_mpa[*a].total_cmp(&target.pressure_mpa[*b]));
-        let of = |from: usize, conditions: usize| {
-            let of_condition = |condition: usize| order.iter().map(move |load| from + condition * count + load);
-            Packed::new(&explorer.expected, (0..conditions).flat_map(of_condition))
+        let of = |part: usize, conditions: usize| {
+            let from = |node: usize| (3 * node + part) * loads;
+            let starts = (0..nodes).flat_map(|node| (0..conditions).map(move |at| from(node) + at * count));
+            Packed::new(&explorer.expected, starts.flat_map(|start| order.iter().map(move |load| start + load)))
         };
+        let face = FaceData::new(task, explorer.dimension);
         let ordered = |values: &[Option<f64>]| order.iter().map(|load| values[*load]).collect();
         Data {
             is_ratio: task.target.quantity() == Quantity::Ratio,
@@ -146,10 +153,13 @@ impl Subject<'_> {
             pressure_mpa: order.iter().map(|load| target.pressure_mpa[*load]).collect(),
             flat_mu: order.iter().map(|load| self.flat_mu[*load]).collect(),
             medians: of(0, loads / count),
-            lower: of(loads, 1),
-            upper: of(2 * loads, 1),
-            log_odds: Packed::new(&explorer.log_odds, 0..1),
-            beside: Packed::new(&explorer.beside, 0..BESIDE),
+            lower: of(1, 1),
+            upper: of(2, 1),
+            log_odds: Packed::new(&explorer.log_odds, 0..explorer.log_odds.outputs()),
+            beside: Packed::new(&explorer.beside, 0..explorer.beside.outputs() - if face.is_some() { 2 } else { 0 }),
+            shares: explorer.shares,
+            share_nodes: nodes,
+            face,
             holes: explorer.holes.clone(),
             limits: self.limits(),
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
