@@ -6,7 +6,7 @@ use std::sync::Arc;
 use slipgrid_base::monitor::{Monitor, Part as Share};
 use slipgrid_infer::discrepancy::{Candidate, DimensionShift, Features, Sensitivity};
 use slipgrid_laser::export::Specimen;
-use slipgrid_laser::specimen::{SteadyOnFace, nearest_known, time_changes_on};
+use slipgrid_laser::specimen::{SteadyOnFace, layout_errors, nearest_known, time_changes_on};
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{RunOptions, Scene, Simulation};
 
@@ -163,6 +163,15 @@ impl BeyondCells<'_> {
         let solve = |face| SteadyOnFace::new(&scene, pattern, face, is_rough, &part).ok();
         let on_face = self.face.as_ref().and_then(solve);
         self.log_shifts(ratios, &|load| on_face.as_ref().and_then(|on_face| on_face.added(load)).unwrap_or(0.0))
+    }
+
+    /// Standard deviations of the logarithms of `ratios`, those of the cell, by the layout in space, where a row of
+    /// cavities at the border differs from one of an infinite pattern; empty if unknown.
+    pub fn layout_log_stds(&self, pattern: &Pattern, ratios: &[f64], monitor: &dyn Monitor) -> Vec<f64> {
+        let part = Share::new(monitor, 0.0);
+        let of_face = |face| layout_errors(&self.scene(pattern), face, pattern, &part).ok();
+        let errors = self.face.as_ref().and_then(of_face).unwrap_or_default();
+        errors.iter().zip(ratios).map(|(error, ratio)| error.unwrap_or(0.0) / ratio).collect()
     }
 
     /// Change of the logarithms of `ratios` of `pattern` by sliding in time; empty, as no change, in space and if the

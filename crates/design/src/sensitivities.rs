@@ -63,8 +63,12 @@ struct ByLocalPressure<'a> {
 }
 
 impl<'a> ByLocalPressure<'a> {
-    /// Builds the models for the material of `prepared` at the condition of each load of `own`.
-    fn new(own: &SteadyModel<'a>, prepared: &PreparedTask) -> Result<Option<Self>, MaterialError> {
+    /// Builds the models for the material of `prepared` at the condition of each load of `own`, in the guide's blocks if
+    /// `is_coarse`.
+    fn new(own: &SteadyModel<'a>, prepared: &PreparedTask, is_coarse: bool) -> Result<Option<Self>, MaterialError> {
+        let changed = |change: &dyn Fn(&Scene) -> Result<Scene, MaterialError>| {
+            if is_coarse { own.beside(change) } else { own.in_own_blocks(change) }
+        };
         let (mut laws, mut of_load) = (Vec::new(), Vec::new());
         let mut known: Vec<(Option<Condition>, Option<usize>)> = Vec::new();
         for setting in &prepared.settings {
@@ -76,7 +80,7 @@ impl<'a> ByLocalPressure<'a> {
                     let law = prepared.uncertainty.local_law(own.area_law(), condition);
                     let place = law.as_ref().map(|_| laws.len());
                     if let Some(law) = law {
-                        laws.push(own.beside(|scene: &Scene| with_local_law(scene, &law))?);
+                        laws.push(changed(&|scene: &Scene| with_local_law(scene, &law))?);
                     }
                     known.push((setting.condition, place));
                     place
@@ -87,7 +91,7 @@ impl<'a> ByLocalPressure<'a> {
         if laws.is_empty() {
             return Ok(None);
         }
-        let still = own.beside(|scene: &Scene| Ok::<_, MaterialError>(scene.clone()))?;
+        let still = changed(&|scene: &Scene| Ok(scene.clone()))?;
         Ok(Some(Self { still, laws, of_load }))
     }
 
@@ -122,7 +126,7 @@ impl<'a> Models<'a> {
         };
         let moves = prepared.uncertainty.modulus_std(own.area_law()).is_some();
         let both = if moves { Some([at(LOG_MODULUS_STEP)?, at(-LOG_MODULUS_STEP)?]) } else { None };
-        Ok(Self { own, both, by_local_pressure: ByLocalPressure::new(own, prepared).map_err(refused)? })
+        Ok(Self { own, both, by_local_pressure: ByLocalPressure::new(own, prepared, true).map_err(refused)? })
     }
 
     /// All inputs of the sensitivities except width, spacing and depth of a design, for cache keys.
@@ -156,6 +160,16 @@ impl<'a> Models<'a> {
             || self.by_local_pressure.as_ref().map_or_else(|| Ok(Vec::new()), |of| of.at(design)),
         );
         Ok([modulus?, local?].concat())
+    }
+
+    /// Changes of ln R of `design` by the local law in the requested blocks; empty without such a law, and if the guide's
+    /// blocks are the requested ones.
+    pub fn local_law_in_own_blocks(&self, prepared: &PreparedTask, design: &Pattern) -> Vec<f64> {
+        if !self.own.has_guide() || self.by_local_pressure.is_none() {
+            return Vec::new();
+        }
+        let law = ByLocalPressure::new(self.own, prepared, false).ok().flatten();
+        law.and_then(|law| law.at(design).ok()).unwrap_or_default()
     }
 
     fn of_modulus(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {

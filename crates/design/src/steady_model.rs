@@ -237,10 +237,21 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// The error of `change`.
     pub fn beside<E>(&self, change: impl FnOnce(&Scene) -> Result<Scene, E>) -> Result<Self, E> {
-        let asked = change(self.serving_guide().unwrap_or(&self.asked))?;
+        Ok(self.changed(change(self.serving_guide().unwrap_or(&self.asked))?))
+    }
+
+    /// Like [`Self::beside`], in the requested blocks.
+    ///
+    /// # Errors
+    /// The error of `change`.
+    pub fn in_own_blocks<E>(&self, change: impl FnOnce(&Scene) -> Result<Scene, E>) -> Result<Self, E> {
+        Ok(self.changed(change(&self.asked)?))
+    }
+
+    fn changed(&self, asked: Scene) -> Self {
         let (monitor, specimen, own_loads) = (self.monitor, self.specimen, asked.loads.len());
         let model = Self::without_guide(asked, own_loads, self.texture, &self.directions_deg);
-        Ok(Self { monitor, specimen, ..model })
+        Self { monitor, specimen, ..model }
     }
 
     /// Scene of the guide, if its blocks resolve the rims, which requires blocks of at most half the width of a rim.

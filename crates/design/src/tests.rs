@@ -448,7 +448,10 @@ fn squares_are_chosen_in_space() {
     task.layer = Layer { height_m: 40e-6, block_m: 20e-6, ..task.layer };
     let found = next_trials(&task, &NextOptions::default(), &*KNOWN).unwrap();
     assert_eq!(found.patterns.len(), 1);
-    assert_eq!(found.report.samples[0].design.planform(), "square");
+    let sample = &found.report.samples[0];
+    assert_eq!(sample.design.planform(), "square");
+    // Squares at the border differ from those of an infinite pattern.
+    assert!(sample.limited_by.iter().any(|of| of.input == Effect::Layout.name()), "{:?}", sample.limited_by);
 }
 
 /// The explorer draws straight lines between the target's pressures.

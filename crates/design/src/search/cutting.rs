@@ -58,10 +58,16 @@ impl Search<'_> {
         if self.models.own.dimension().takes_strips() {
             return self.predicted(CutTexture { known: Known::AsCut, ..texture });
         }
-        // In space the face adds the tilt alone.
+        // In space the face adds the tilt alone, and the error of the layout.
         let relative = tilt_relative_error(self.task.layer.holder);
         parts.extend(self.of_effect(Effect::Tilt, &by_face.iter().map(|by| relative * by).collect::<Vec<f64>>()));
-        self.predicted(CutTexture { known: Known::AsCut, ..texture.with_parts(parts) })
+        parts
+            .extend(self.of_effect(Effect::Layout, &self.beyond.layout_log_stds(&pattern, &texture.ratio, self.stage)));
+        let mut texture = texture.with_parts(parts);
+        let by_law = self.models.local_law_in_own_blocks(self.prepared, &pattern);
+        let each = texture.sensitivity.iter_mut().zip(by_law);
+        each.for_each(|(sensitivity, by_law)| sensitivity.local_law = by_law);
+        self.predicted(CutTexture { known: Known::AsCut, ..texture })
     }
 
     /// Uncertainty from `effect`, an error common to all loads and conditions: `log` has its standard deviation of ln R at

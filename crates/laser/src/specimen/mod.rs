@@ -44,4 +44,4 @@ mod on_specimen;
 mod strips;
 
 pub use laid::{Laid, on_face};
-pub use on_specimen::{SpecimenError, SteadyOnFace, nearest_known, simulate_on, time_changes_on};
+pub use on_specimen::{SpecimenError, SteadyOnFace, layout_errors, nearest_known, simulate_on, time_changes_on};

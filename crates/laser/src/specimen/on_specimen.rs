@@ -277,7 +277,7 @@ fn infinite_strip(pattern: &Pattern, length_m: f64) -> Result<Face, SceneError> 
 /// Error of [`LoadOutcome::scale_to_layout`](slipgrid_model::springblock::LoadOutcome::scale_to_layout) at each load;
 /// `None` if unknown. It is estimated from the deviation of strips of grooves with the same section on this specimen,
 /// times the cavity fraction across the rows (areal density over section density), times `ROW_ERROR_OVER_GROOVES`.
-fn layout_errors(
+pub fn layout_errors(
     scene: &Scene,
     specimen: &Specimen,
     pattern: &Pattern,
