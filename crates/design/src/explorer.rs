@@ -168,7 +168,7 @@ impl Explored {
 /// [`DesignError`] for a task that is refused or that the monitor cancels, and where no design can be computed.
 pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explored, DesignError> {
     let prepared = &PreparedTask::new(task)?;
-    let budget = TimeBudget::new(monitor, None);
+    let budget = TimeBudget::new(monitor, None, 1.0);
     let found = with_table(prepared, None, None, budget, &mut Timings::default(), |search, _| {
         let about_best = |open: &(dyn Fn(&Pattern) -> bool + Sync)| -> Result<(Pattern, Explorer), DesignError> {
             let nothing_computed = || search.models.own.nothing_computed(&task.space);

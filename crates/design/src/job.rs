@@ -23,7 +23,7 @@ use crate::sensitivities::local_law_note;
 use crate::session::with_table;
 use crate::slopes::slopes;
 use crate::task::{DesignTask, KnownMaterial};
-use crate::time_budget::TimeBudget;
+use crate::time_budget::{SEARCH_SHARE, TimeBudget};
 use crate::timings::Timings;
 use crate::trade_offs::{self, Compared};
 
@@ -85,7 +85,7 @@ fn every_step(
     monitor: &dyn Monitor,
 ) -> Result<DesignOutcome, DesignError> {
     let started_s = monitor.seconds();
-    let budget = TimeBudget::new(monitor, task.search.max_seconds);
+    let budget = TimeBudget::new(monitor, task.search.max_seconds, SEARCH_SHARE);
     let prepared = &PreparedTask::new(task)?;
     let mut timings = Timings::default();
     let mut outcome = with_table(prepared, None, Some(cache), budget, &mut timings, |search, timings| {

@@ -261,7 +261,12 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division, mo
     let (all, unkept_by): (Vec<(usize, CutTexture)>, _) =
         searches.iter().enumerate().flat_map(of_side).partition(|(_, texture)| texture.excess == 0.0);
     let joint = |pair: [&CutTexture; SECTORS]| search.predictor.on_one_disc(&pair.map(CutTexture::candidate));
-    let bits = |[a, b]: [usize; SECTORS]| joint([&all[a].1, &all[b].1]).family_bits(MEASURED_STD);
+    // The last search began last, so that its stage ends last.
+    let last = searches[searches.len() - 1];
+    let bits = |[a, b]: [usize; SECTORS]| {
+        let is_in_time = !last.stage.cancelled();
+        if is_in_time { joint([&all[a].1, &all[b].1]).family_bits(MEASURED_STD) } else { f64::NEG_INFINITY }
+    };
     let is_equal = |a: usize, b: usize| all[a].1.pattern.lengths_m() == all[b].1.pattern.lengths_m();
     let pairs = |first: usize| (0..all.len()).map(move |second| [first, second]);
     // Grooves across and along with equal dimensions, or the first and the last texture with each other one.
@@ -282,6 +287,9 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division, mo
         }));
     };
     monitor.heed()?;
+    if best.1 == f64::NEG_INFINITY {
+        return Err(last.nothing_found());
+    }
     let [a, b] = if all[best.0[0]].0 > all[best.0[1]].0 { [best.0[1], best.0[0]] } else { best.0 };
     let failed = |failure| DesignError::Failed(format!("a sector cannot be computed: {failure}"));
     let solved = |place: usize| searches[all[place].0].solved(&all[place].1.pattern).map_err(failed);
@@ -305,6 +313,7 @@ fn pair(searches: &[&Search<'_>], options: &NextOptions, division: &Division, mo
         compared: all.len(),
         samples: chosen.iter().map(|of| of.report(search)).collect(),
         learning: Some(learning),
+        cut_short: last.stage.cancelled().then(|| "search".to_owned()).into_iter().collect(),
         ..new_report(search, options)
     };
     let patterns = chosen.iter().map(|of| of.texture.pattern).collect();

@@ -21,7 +21,7 @@ use crate::prepared_task::PreparedTask;
 use crate::search::{Search, is_same};
 use crate::session::with_table;
 use crate::task::DesignTask;
-use crate::time_budget::TimeBudget;
+use crate::time_budget::{SEARCH_SHARE, TimeBudget, UNCONFIRMED_SHARE};
 use crate::timings::Timings;
 
 /// Maximum number of designs in a report, unless more samples are to be cut at once.
@@ -92,7 +92,9 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let count = if options.learn { learning_disc::SECTORS } else { options.count };
     let division = (options.one_disc || options.learn).then(|| Division::new(task.specimen, count)).transpose();
     let division = division.map_err(|error| DesignError::refused(error.to_string()))?;
-    let budget = TimeBudget::new(monitor, task.search.max_seconds);
+    // Two tables of a disc to learn from share the time.
+    let share = if options.learn { SEARCH_SHARE } else { UNCONFIRMED_SHARE };
+    let budget = TimeBudget::new(monitor, task.search.max_seconds, share);
     let mut found = match &division {
         Some(division) if options.learn => learning_disc::choose(task, options, division, budget)?,
         division => {

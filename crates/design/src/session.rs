@@ -16,7 +16,7 @@ use crate::search::{SHARE_OF_LATTICES, SHARE_OF_RANKING, Search};
 use crate::sensitivities::Models;
 use crate::steady_model::SteadyModel;
 use crate::table::Table;
-use crate::time_budget::{SEARCH_SHARE, TimeBudget};
+use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 
 /// Message if the time limit ended before the table was complete.
@@ -62,7 +62,7 @@ pub fn with_table<T>(
     let beyond = BeyondCells { model: &model, face, count: asked.count, seed: task.search.seed };
 
     let before_s = monitor.seconds() - began_s;
-    let stage = budget.stage_of_share("table", SEARCH_SHARE);
+    let stage = budget.stage_of_share("table");
     let table = Table::new(task, &models, &beyond, &stage);
     let is_out_of_time = stage.is_out_of_time();
     timings.table = before_s + stage.finish();
@@ -73,7 +73,7 @@ pub fn with_table<T>(
         None => return Err(model.nothing_computed(&task.space)),
     };
     let searching_s = monitor.seconds();
-    let stage = budget.stage_of_share("search", SEARCH_SHARE);
+    let stage = budget.stage_of_share("search");
     let predictor = asked.learned.of_friction_at(&asked.loads, &asked.flat_shares);
     let search = Search {
         prepared,

@@ -129,7 +129,7 @@ fn contradicted(task: &DesignTask) -> DesignTask {
 /// Runs `then` with the search of `task`.
 fn searched<T>(task: &DesignTask, then: impl FnOnce(&Search<'_>) -> T) -> T {
     let prepared = PreparedTask::new(task).unwrap();
-    let budget = TimeBudget::new(&*KNOWN, None);
+    let budget = TimeBudget::new(&*KNOWN, None, 1.0);
     let timings = &mut Timings::default();
     with_table(&prepared, None, None, budget, timings, |search, _| Ok(then(search))).unwrap()
 }
