@@ -4,13 +4,15 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
+
 use crate::Failure;
 use crate::disk::written::{HEAD, has_mark};
 use crate::formats::Diagnostic;
 use crate::formats::source::fits;
 
-use crate::disk::written_list::Written;
-use crate::disk::{Writing, parent, put_unless, unfinished};
+use crate::disk::written_list::{LIST, Written, hexadecimal};
+use crate::disk::{Writing, parent, put, put_unless, unfinished};
 
 /// Error of the operating system while an output was written.
 #[derive(Debug, thiserror::Error)]
@@ -142,7 +144,14 @@ pub fn write_file(
     // The target of a link is replaced, not the link; a device is opened, because a renamed file would replace it.
     let path = fs::canonicalize(place.path).unwrap_or_else(|_| place.path.to_owned());
     let written = if is_device(&path) { fs::write(&path, bytes) } else { put_unless(&path, bytes, is_cancelled) };
-    Ok(written.map_err(WriteError::at(place.path))?)
+    written.map_err(WriteError::at(place.path))?;
+    let (folder, name) = (parent(&path), path.file_name().map_or("".into(), |name| name.to_string_lossy()));
+    let mut listed = Written::read(folder);
+    if listed.names(Path::new(&*name)) {
+        listed.insert(&name, hexadecimal(&Sha256::digest(bytes)));
+        put(&folder.join(LIST), listed.to_text().as_bytes()).map_err(WriteError::at(place.path))?;
+    }
+    Ok(())
 }
 
 /// Whether `path` is a device or a pipe, which holds no data to lose and must not be replaced by a file.
@@ -155,8 +164,9 @@ fn is_same(left: &Path, right: &Path) -> bool {
     matches!((fs::canonicalize(left), fs::canonicalize(right)), (Ok(left), Ok(right)) if left == right)
 }
 
-/// Whether the file at `path` in `folder` was written by slipgrid, according to the file's mark or to the list of
-/// written files in `folder`, or is empty. Devices and pipes count as written by slipgrid: they hold no data to lose.
+/// Whether the file at `path` in `folder` was written by slipgrid, or is empty. The list of written files in `folder`
+/// decides if it names the file, because a file that was changed since still has its mark; otherwise the mark decides.
+/// Devices and pipes count as written by slipgrid: they hold no data to lose.
 fn is_ours(folder: &Path, path: &Path) -> bool {
     let file = &folder.join(path);
     if is_device(file) {
@@ -167,7 +177,8 @@ fn is_ours(folder: &Path, path: &Path) -> bool {
         return false;
     }
     let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
-    head.is_empty() || has_mark(&name, &head) || Written::read(folder).holds(folder, path)
+    let written = Written::read(folder);
+    head.is_empty() || if written.names(path) { written.holds(folder, path) } else { has_mark(&name, &head) }
 }
 
 /// Refuses to replace a file in `folder` that slipgrid did not write.
@@ -179,7 +190,10 @@ pub(crate) fn refuse_foreign_in(folder: &Path, path: &Path) -> Result<(), WriteE
     if !file.exists() || is_ours(folder, path) {
         return Ok(());
     }
-    Err(WriteError { path: file, source: io::Error::other("slipgrid did not write the file that is there") })
+    Err(WriteError {
+        path: file,
+        source: io::Error::other("slipgrid did not write the file that is there, or it was changed since"),
+    })
 }
 
 fn check_parents(place: Place<'_>) -> Result<(), Failure> {
@@ -257,6 +271,14 @@ mod tests {
         let refused = write_folder(folder, &files(&["a.stl"]), &[at("a.stl")]).unwrap_err().to_string();
         assert!(refused.contains("holds a.stl, which is an input of this run"), "{refused}");
         let file = |name: &str| write_file(Place { flag: "path", path: &at(name) }, b"slipgrid newer", &[], &|| false);
+        // A file with a mark, filled in by a person.
+        write_folder(folder, &[("trials.toml".to_owned(), b"# Trials of one disc, by slipgrid: new".to_vec())], &[])
+            .unwrap();
+        file("trials.toml").unwrap();
+        file("trials.toml").unwrap();
+        fs::write(at("trials.toml"), "# Trials of one disc, by slipgrid: ratio 0.9").unwrap();
+        let refused = refuse_foreign_in(place.path(), Path::new("trials.toml")).unwrap_err().to_string();
+        assert!(refused.contains("changed since") && file("trials.toml").is_err(), "{refused}");
         file("deep/c.stl").unwrap();
         file("a.stl").unwrap();
         assert_eq!(fs::read(at("a.stl")).unwrap(), b"slipgrid newer");

@@ -35,6 +35,11 @@ impl Written {
         hash_file(&folder.join(path)).is_ok_and(|hash| hashes.contains(&hash))
     }
 
+    /// Whether the list has an entry for the file at `path`, relative to the list's folder.
+    pub(crate) fn names(&self, path: &Path) -> bool {
+        path.to_str().is_some_and(|name| self.0.contains_key(name))
+    }
+
     pub(crate) fn insert(&mut self, name: &str, hash: String) {
         self.0.insert(name.to_owned(), vec![hash]);
     }
