@@ -217,7 +217,9 @@ where
     let kept = kept.filter(|_| !no_cache);
     let threads = pool.current_num_threads();
     let (ended, told) = pool.install(|| {
+        let unusable = kept.as_ref().and_then(KeptResults::refused);
         let mut console = Console { out: &mut *out, err: &mut *err, quiet, threads, kept, no_cache, watcher };
+        console.warn(unusable.map(|refused| format!("{refused}: SLIPGRID_CACHE keeps no result")).as_slice());
         let ended = commands::run(&arguments.command, &mut console);
         let told = console.out.flush();
         (ended, told)

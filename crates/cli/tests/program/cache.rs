@@ -62,3 +62,16 @@ fn two_programs_may_share_the_results() {
     });
     assert_eq!(place.untimed("one"), place.untimed("two"));
 }
+
+#[test]
+fn a_named_folder_that_keeps_nothing_is_told() {
+    let place = place();
+    fs::write(place.path("file"), "").unwrap();
+    for (cache, told) in [("file", true), ("new", false)] {
+        let mut command = place.uncached("calibrate calibration.toml");
+        let ended = command.env("SLIPGRID_CACHE", place.path(cache)).output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(said.contains("SLIPGRID_CACHE keeps no result"), told, "{said}");
+        assert_eq!(ended.status.code(), Some(0), "{said}");
+    }
+}

@@ -8,7 +8,8 @@ use std::time::SystemTime;
 use sha2::{Digest, Sha256};
 use slipgrid_base::monitor::{Key, Memory};
 
-use crate::disk::{hexadecimal, put};
+use crate::Failure;
+use crate::disk::{Place, check_folder, hexadecimal, put};
 
 /// Version of the file format, which is part of the hash at the beginning of every file.
 const FORMAT: &[u8] = b"slipgrid kept 2";
@@ -30,6 +31,8 @@ pub struct KeptResults {
     build: String,
     max_bytes: u64,
     is_cleared: AtomicBool,
+    /// `SLIPGRID_CACHE` names the folder.
+    is_named: bool,
 }
 
 impl KeptResults {
@@ -37,7 +40,7 @@ impl KeptResults {
     /// created with the first result.
     pub fn new(folder: PathBuf, build: &str, max_bytes: u64) -> Self {
         let build = hexadecimal(&Sha256::digest(build.as_bytes())[..4]);
-        Self { folder, build, max_bytes, is_cleared: AtomicBool::new(false) }
+        Self { folder, build, max_bytes, is_cleared: AtomicBool::new(false), is_named: false }
     }
 
     /// Creates the cache of the running program in the user's cache folder; `None` as for [`Self::for_program`].
@@ -50,6 +53,7 @@ impl KeptResults {
     /// `folder` or `SLIPGRID_CACHE` is empty, if no folder is known, or if `program` cannot be inspected. The build is
     /// identified by size and modification time of the executable.
     pub fn for_program(program: &Path, folder: Option<PathBuf>) -> Option<Self> {
+        let is_named = folder.is_none() && std::env::var_os("SLIPGRID_CACHE").is_some();
         let named = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
         let folder = match folder.map_or_else(|| std::env::var_os("SLIPGRID_CACHE"), |folder| Some(folder.into())) {
             Some(folder) => Some(PathBuf::from(folder)).filter(|folder| !folder.as_os_str().is_empty()),
@@ -60,7 +64,13 @@ impl KeptResults {
         };
         let program = fs::metadata(program).ok()?;
         let build = format!("{} {:?}", program.len(), program.modified().ok()?);
-        Some(Self::new(folder?, &build, MAX_BYTES))
+        Some(Self { is_named, ..Self::new(folder?, &build, MAX_BYTES) })
+    }
+
+    /// Reason why nothing can be stored in the folder that `SLIPGRID_CACHE` names; `None` for any other folder.
+    pub fn refused(&self) -> Option<Failure> {
+        let place = Place { flag: "SLIPGRID_CACHE", path: &self.folder };
+        self.is_named.then(|| check_folder(place, &[], &[]).err()).flatten()
     }
 
     fn path(&self, key: &Key) -> PathBuf {
