@@ -40,7 +40,15 @@ pub struct LimitsFile {
     min_clearance_um: Option<Number>,
     /// `refuse` rejects designs in which a contact block is under tension in the steady model of the infinite pattern;
     /// `tension_blocks` of the result counts those of the confirming run.
-    liftoff: Option<Spanned<String>>,
+    liftoff: Option<Liftoff>,
+}
+
+/// What happens to designs in which a contact block is under tension.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+enum Liftoff {
+    Refuse,
+    Allow,
 }
 
 impl LimitsFile {
@@ -74,17 +82,13 @@ impl LimitsFile {
 /// [`Diagnostic`] if a number is out of range, or if the time under the laser is limited but cannot be estimated.
 pub fn read_limited(document: &Document, file: &LimitsFile, laser: &Laser) -> Result<Vec<Limit>, Diagnostic> {
     let read = |given: &Option<Number>, quantity| document.optional(given.as_ref(), quantity);
-    let least = |liftoff: &Spanned<String>| {
-        let refuses = document.choice(liftoff, &[true, false], |refused| if refused { "refuse" } else { "allow" });
-        refuses.map(|refuses| refuses.then_some(0.0))
-    };
     let limits = [
         (ConstraintQuantity::PeakPressure, read(&file.max_peak_pressure_mpa, PRESSURE_MPA)?),
         (ConstraintQuantity::BearingArea, read(&file.min_bearing_area, FRACTION)?),
         (ConstraintQuantity::ArealDensity, read(&file.max_areal_density, FRACTION)?),
         (ConstraintQuantity::LaserTime, read(&file.max_laser_time_s, TIME_S)?),
         (ConstraintQuantity::Clearance, read(&file.min_clearance_um, LENGTH_UM.or_zero())?),
-        (ConstraintQuantity::LeastPressure, file.liftoff.as_ref().map(least).transpose()?.flatten()),
+        (ConstraintQuantity::LeastPressure, file.liftoff.filter(|of| *of == Liftoff::Refuse).map(|_| 0.0)),
     ];
     let missing = missing_for_time(laser);
     if let Some(limit) = file.max_laser_time_s.as_ref().filter(|_| !missing.is_empty()) {
