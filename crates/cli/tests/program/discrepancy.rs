@@ -50,6 +50,9 @@ fn a_trial_moves_what_is_expected_and_says_what_to_do() {
         place.run(&format!("optimize {name}.toml"));
         place.result(&format!("out/{name}"))
     });
+    // Trials of a material file are not modelled again as the layer of the design.
+    let [said, silent] = ["with", "without"].map(|name| place.told(&format!("explore {name}.toml -o {name}.html")));
+    assert!(said.contains("um is modelled alone") && !silent.contains("modelled alone"), "{said} {silent}");
     // Before any trial half of all samples are believed to lie below what the model says.
     assert!((factor(&without) - 1.0).abs() < 1e-6 && without["trials"] == 0, "{without}");
     assert!((0.85..0.97).contains(&factor(&with)) && with["trials"] == 1, "{}", with["expected"]);

@@ -16,10 +16,24 @@ impl Design {
         self.thickness(calibration).into_iter().chain(self.holder(calibration)).collect()
     }
 
-    /// Diagnostics that need the material: pressures that strain the material too much, and a speed that no run in time
-    /// can confirm.
+    /// Diagnostics that need the material: pressures that strain the material too much, a speed that no run in time can
+    /// confirm, and trials that were modelled on another specimen.
     pub fn material_told(&self) -> Vec<Diagnostic> {
-        self.strained().into_iter().chain(self.too_fast()).collect()
+        self.strained().into_iter().chain(self.too_fast()).chain(self.layer_alone()).collect()
+    }
+
+    /// Diagnostic if the design models a layer alone, while the trials of its material file were modelled on a whole
+    /// specimen, whose ratios differ by up to some hundredths; otherwise `None`. A calibration models its trials again.
+    fn layer_alone(&self) -> Option<Diagnostic> {
+        let learned = self.task.material.as_ref()?.uncertainty.learned.as_ref()?;
+        if self.calibration.is_some() || self.task.layer.thickness_m.is_some() || learned.trials().is_empty() {
+            return None;
+        }
+        let reason = "um is modelled alone, and the trials of the material on a whole specimen";
+        let told = self.document.refuse_or_default(("sample", "layer_um"), None, reason.to_owned());
+        Some(
+            told.expected("thickness_mm beside it, or the calibration file as material, which models its trials again"),
+        )
     }
 
     /// Diagnostic if the design models another thickness than `calibration` states; otherwise `None`.
