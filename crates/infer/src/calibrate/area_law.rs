@@ -237,17 +237,20 @@ pub fn persson_curve(
 
 /// Warnings about the table of an area law, one sentence each; each begins with the name of the warning.
 pub fn table_warnings(law: &AreaLaw) -> Vec<String> {
+    let shown = |number: f64| significant(number, 4);
     let step = law.step().map(|(pressure_pa, factor)| {
         format!(
-            "area law jumps: f falls from 1 to {factor} at its first pressure, {} MPa, where a law that comes of contact area \
+            "area law jumps: f falls from 1 to {} at its first pressure, {} MPa, where a law that comes of contact area \
              begins with 1",
-            PRESSURE_MPA.from_si(pressure_pa)
+            shown(factor),
+            shown(PRESSURE_MPA.from_si(pressure_pa))
         )
     });
     let above = law.above_one().map(|(pressure_pa, factor)| {
         format!(
-            "factor above 1: f is {factor} at {} MPa, where real contact area grows no faster than pressure",
-            PRESSURE_MPA.from_si(pressure_pa)
+            "factor above 1: f is {} at {} MPa, where real contact area grows no faster than pressure",
+            shown(factor),
+            shown(PRESSURE_MPA.from_si(pressure_pa))
         )
     });
     step.into_iter().chain(above).collect()
