@@ -94,6 +94,9 @@ fn one_texture_predicts_nothing_and_tells_no_form() {
             && text.contains("one texture does not tell whether the error grows with area, edges or depth"),
         "{text}"
     );
+    // Two trials that differ by less than a form could tell are no one texture.
+    let alike = ledger(vec![trial("A", 130.0, -0.05), trial("B", 135.0, -0.05)]);
+    assert!(alike.one_texture && alike.text().contains("textures so alike do not tell whether"), "{}", alike.text());
     assert!(text.contains("surprise, std: distance of the measured ratio"), "{text}");
     assert!(text.contains("predicted by the trials before it: 2 ratios are not counted, because no other measurement says anything of what the model lacks there\n"), "{text}");
     // The measured condition nearest to 1.5 MPa in logarithms.

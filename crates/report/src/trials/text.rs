@@ -58,8 +58,11 @@ impl TrialsReport {
             Some(family) if family == Form::None.family() => "the trials show no effect beyond the model's".to_owned(),
             Some(family) => format!("the trials say that the discrepancy grows with {family}"),
             None if self.one_texture => {
-                "one texture does not tell whether the error grows with area, edges or depth; a second, different one would"
-                    .to_owned()
+                let (some, other) = match self.trials.len() {
+                    1 => ("one texture does", "a second, different one"),
+                    _ => ("textures so alike do", "a different one"),
+                };
+                format!("{some} not tell whether the error grows with area, edges or depth; {other} would")
             }
             None => "form not identified: trials of other densities, edge lengths and depths would tell forms apart"
                 .to_owned(),
