@@ -183,7 +183,7 @@ impl<'a> SteadySpecimen<'a> {
         }
         if self.shortened > 0 {
             statements.method(format!(
-                "strips longer than {} mm: both ends and periodic cells between them, which changes the ratio of cavities of whole blocks by less than 1e-5",
+                "strips longer than {} mm: both ends and periodic cells between them, which changes the ratio of cavities of whole blocks by less than 2e-5",
                 (STRIP_HEIGHTS * scene.layer.height_m * 1e6).round() / 1e3
             ));
         }

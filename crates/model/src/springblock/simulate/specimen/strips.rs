@@ -1,7 +1,10 @@
 //! Steady sliding of a face, strip by strip.
 
+use std::convert::Infallible;
+
 use crate::pattern::Pattern;
 use rayon::prelude::*;
+use slipgrid_base::monitor::cached;
 
 use super::super::rim_difference::{self, without_rim};
 use super::super::{UNIFORM_COLUMNS, compare, require_memory};
@@ -15,11 +18,13 @@ use crate::springblock::{
 /// Maximum length of a strip that is solved whole, in heights of the layer.
 ///
 /// If a strip is longer, both ends are solved, half of that length each, and the part between is replaced by periodic
-/// cells. The effect of an end decays within one height, so that the error of the ratio is below 1e-5
-/// (`strips_are_their_ends_and_cells_between_them`). If cavities are not whole blocks, the cavities of a whole strip
+/// cells. The effect of an end decays within one height, so that the error of the ratio is below 2e-5
+/// (`strips_are_their_ends_and_cells_between_them`; strips of 15 heights halve it, strips of 6 double it). If cavities are not whole blocks, the cavities of a whole strip
 /// have different positions relative to the blocks; the cavity of the cell has one position, with a known effect of
 /// smaller blocks (`cells_between_ends_take_strips_to_smaller_blocks`).
-pub const STRIP_HEIGHTS: f64 = 15.0;
+pub const STRIP_HEIGHTS: f64 = 10.0;
+/// Maximum length of the flat strip whose ends are those of the flat face, in heights of the layer.
+const FLAT_HEIGHTS: f64 = 15.0;
 /// Minimum width of land at the end of a strip that a lattice resolves, in blocks.
 const MIN_END_BLOCKS: f64 = 2.0;
 
@@ -181,7 +186,7 @@ impl SteadyFace {
             |(model, share): (&SteadyModel, &f64)| Some(solve(scene, model, *share)).filter(|_| !monitor.cancelled());
         let by_lattice: Option<Vec<Vec<SurfaceOutcome>>> = models.par_iter().zip(&shares).map(solved).collect();
         let Some(by_lattice) = by_lattice else { return Ok(None) };
-        let flat = FlatFace::new(scene, face).solve(scene);
+        let flat = flat_face(scene, face, monitor);
         let mut peak_over_longest = 1.0_f64;
         let each = scene.loads.iter().zip(flat).enumerate().map(|(place, (load, flat))| {
             let parts = plan.pieces.iter().map(|piece| SolvedPiece {
@@ -240,37 +245,25 @@ pub fn solve_drawn<'a>(
     model.solve_all(&loads)
 }
 
-/// The flat face, on which friction is uniform except near the ends of its strips.
-pub struct FlatFace {
-    /// Model of the longest strip without cavities, shortened to [`STRIP_HEIGHTS`] layer heights.
-    model: SteadyModel,
-    length_m: f64,
-    /// Sum of the widths of all strips, each with two ends, over the area of the face, in 1/m.
-    ends_per_m: f64,
-}
-
-impl FlatFace {
-    fn new(scene: &Scene, face: &Face) -> Self {
-        let block_m = scene.layer.block_m;
-        let length_m = face.longest().length_m.min(STRIP_HEIGHTS * scene.layer.height_m);
-        let columns = columns::strip(length_m / block_m, &[], 0.0);
-        let lattice = Lattice::new(columns, scene.layer.rows(), false);
-        let model = SteadyModel::for_scene(scene, lattice);
-        let sum = |of: fn(&Strip) -> f64| face.strips().iter().map(of).sum::<f64>();
-        Self { model, length_m, ends_per_m: sum(|strip| strip.width_m) / sum(Strip::area_m2) }
-    }
-
-    /// Solves the flat face under each load: the two ends of a strip change its friction force per width equally on
-    /// every strip.
-    fn solve(&self, scene: &Scene) -> Vec<SurfaceOutcome> {
-        let of_load = |(load, own): (&Load, SurfaceOutcome)| {
-            let uniform = load.flat_mu(scene.area_law.as_ref());
-            // mu = mu_u + (mu_1 - mu_u) L_1 sum w_s / sum w_s L_s
-            let mu_dynamic = own.mu_dynamic.map(|mu| uniform + (mu - uniform) * self.length_m * self.ends_per_m);
-            SurfaceOutcome { mu_dynamic, ..own }
-        };
-        scene.loads.iter().zip(solve(scene, &self.model, 1.0)).map(of_load).collect()
-    }
+/// Solves the flat `face` under each load of `scene`. Friction is uniform except near the ends of its strips: the two
+/// ends change the friction force per width equally on every strip. They are those of the longest strip, of at most
+/// [`FLAT_HEIGHTS`] layer heights, and cached, because every pattern on the face has the same.
+fn flat_face(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Vec<SurfaceOutcome> {
+    let Layer { height_m, block_m, .. } = scene.layer;
+    let length_m = face.longest().length_m.min(FLAT_HEIGHTS * height_m);
+    let lattice = Lattice::new(columns::strip(length_m / block_m, &[], 0.0), scene.layer.rows(), false);
+    let content = (&lattice, block_m, scene.elastic, &scene.area_law, &scene.loads, scene.run.liftoff);
+    let solve = || Ok::<_, Infallible>(solve(scene, &SteadyModel::for_scene(scene, lattice.clone()), 1.0));
+    let Ok(strip) = cached(monitor, ("flat face", &content), 0.0, solve);
+    let sum = |of: fn(&Strip) -> f64| face.strips().iter().map(of).sum::<f64>();
+    let ends_per_m = sum(|strip| strip.width_m) / sum(Strip::area_m2);
+    let of_load = |(load, own): (&Load, SurfaceOutcome)| {
+        let uniform = load.flat_mu(scene.area_law.as_ref());
+        // mu = mu_u + (mu_1 - mu_u) L_1 sum w_s / sum w_s L_s
+        let mu_dynamic = own.mu_dynamic.map(|mu| uniform + (mu - uniform) * length_m * ends_per_m);
+        SurfaceOutcome { mu_dynamic, ..own }
+    };
+    scene.loads.iter().zip(strip).map(of_load).collect()
 }
 
 /// Combines the outcomes of `parts` and the outcome `flat` of the flat face under one load.

@@ -81,7 +81,7 @@ fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
 fn of_a_long_strip_whole_periods_are_left_out() {
     let long = strip(0, 31.8e-3, 90e-6);
     let (short, out_m) = shortened(&long, &scene(RunOptions::default()).layer);
-    assert!((out_m / 500e-6 - 58.0).abs() < 1e-9 && short.cavities_m.len() + 58 == long.cavities_m.len());
+    assert!((out_m / 500e-6 - 60.0).abs() < 1e-9 && short.cavities_m.len() + 60 == long.cavities_m.len());
     let end = |strip: &Strip| strip.length_m - strip.cavities_m.last().unwrap()[1];
     assert!((end(&long) - end(&short)).abs() < 1e-12);
 }
@@ -148,7 +148,7 @@ fn strips_are_their_ends_and_cells_between_them() {
         let strips = half_disc(&pattern, 1e4, 6);
         let found = steady_face_ratios(&scene, &pattern, &strips, &Unwatched).unwrap();
         for (found, whole) in found.iter().zip(whole_strips(&scene, &strips)) {
-            assert!((found.unwrap() - whole).abs() < 1e-5, "{groove:?}: {found:?} {whole}");
+            assert!((found.unwrap() - whole).abs() < 2e-5, "{groove:?}: {found:?} {whole}");
         }
     }
 }
