@@ -16,7 +16,7 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Dimension, Load, Simulation};
 
 use crate::DesignError;
-use crate::prediction::Prediction;
+use crate::prediction::{Prediction, chance_of};
 use crate::prepared_task::PreparedTask;
 use crate::search::Search;
 use crate::session::with_table;
@@ -45,8 +45,6 @@ pub const BESIDE: usize = 6;
 const NEARBY: f64 = 0.5;
 /// The correction to reported values is made only if its weight, interpolated at the design, is at least this.
 const MIN_REACHED: f64 = 0.3;
-/// Chances are limited to this distance from 0 and 1, because their log odds are interpolated.
-const MIN_CHANCE: f64 = 1e-4;
 
 /// Predictions for a sample of any texture within the bounds.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,7 +146,7 @@ impl Explored {
             expected: part(0),
             lower_95: part(1),
             upper_95: part(2),
-            chance: has_demand.then(|| 1.0 / (1.0 + (-log_odds).exp())),
+            chance: has_demand.then(|| chance_of(log_odds)),
             peak_pressure_mpa: beside[0].exp(),
             clearance_um: beside[1],
             areal_density: layout.areal_density(),
@@ -264,10 +262,6 @@ impl Explorer {
             let at = |load: usize, p: f64| search.asked.bands[load].flat * found.quantile(load, p);
             [0.5, 0.025, 0.975].into_iter().flat_map(|p| (0..loads).map(move |load| at(load, p))).collect()
         };
-        let log_odds_of = |found: &Prediction| {
-            let chance = found.chance().clamp(MIN_CHANCE, 1.0 - MIN_CHANCE);
-            (chance / (1.0 - chance)).ln()
-        };
         let beside_of = |(share, layout): &(f64, Layout), run: Option<&Simulation>| {
             let (pattern, density) = (layout.pattern(), layout.areal_density());
             let answer = search.table.answer(pattern)?;
@@ -285,7 +279,7 @@ impl Explorer {
             let at = |node: usize| shares[0] + (shares[1] - shares[0]) * node as f64 / (log_odds_nodes - 1) as f64;
             let found = (0..log_odds_nodes).map(|node| predicted(lengths_um, at(node))).collect::<Option<Vec<_>>>()?;
             let quantiles = found.iter().step_by((log_odds_nodes - 1) / (quantile_nodes - 1)).flat_map(quantiles_of);
-            let log_odds: Vec<f64> = found.iter().map(log_odds_of).collect();
+            let log_odds: Vec<f64> = found.iter().map(Prediction::log_odds).collect();
             Some([quantiles.collect(), log_odds, beside_of(&laid(lengths_um)?, None)?.to_vec()].concat())
         };
         let answers: Vec<Option<Vec<f64>>> = nodes.par_iter().map(node).collect();
@@ -306,7 +300,7 @@ impl Explorer {
             .concat()
         };
         let mut reported = quantiles_of(about);
-        reported.push(log_odds_of(about));
+        reported.push(about.log_odds());
         reported.extend(beside_of(&own, run).into_iter().flatten());
         // The same for all cavity fractions.
         let missing = |numbers: &[f64]| {

@@ -3,6 +3,7 @@
 use crate::optimize::{Demand, DesignSpace, Goal, Quantity, Target, TargetPoint, Tolerances, Wanted as Accepted};
 use slipgrid_base::monitor::{CachingMonitor, Monitor, Unwatched};
 use slipgrid_base::statistics::{NORMAL_95, Normals, normal_probability};
+use slipgrid_base::units::tidy;
 use slipgrid_infer::calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
 use slipgrid_infer::discrepancy::{
     Conditions, Discrepancy, Features, Hyperparameters, Load as At, Measured, Sensitivity, Trial,
@@ -30,7 +31,8 @@ use crate::steady_model::SteadyModel;
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 use crate::{
-    ConstraintQuantity, DesignError, DesignTask, KnownMaterial, LimitedBy, NextOptions, NoCache, next_trials, run,
+    ConstraintQuantity, DesignError, DesignTask, KnownMaterial, LimitedBy, NextOptions, NoCache, TradeOffGoal,
+    TradeOffsWanted, next_trials, run, trade_offs,
 };
 
 /// Caches the tables and runs of all tests, since most tests search equal grooves.
@@ -146,6 +148,24 @@ fn three_tasks() -> [DesignTask; 3] {
         trial(&task, [80e-6, 600e-6, 10e-6], [0.91, 0.90]),
     ];
     [taught(&task, Vec::new()), taught(&task, trials[..1].to_vec()), taught(&task, trials)]
+}
+
+#[test]
+fn a_trade_off_beside_the_design_has_its_chance() {
+    for mut task in three_tasks() {
+        let goals = vec![TradeOffGoal::Chance, TradeOffGoal::Volume];
+        task.trade_offs = Some(TradeOffsWanted { goals, designs: 200 });
+        searched(&task, |search| {
+            let best = search.best(&|_| true, 1).solved.remove(0);
+            let beside = best.texture.pattern.lengths_m().map(|length_m| length_m * (1.0 - 1e-9));
+            let beside = search.solved(&search.task.space.pattern(beside).unwrap()).unwrap();
+            let (report, compared) = trade_offs::of(search, &best, std::slice::from_ref(&beside)).unwrap();
+            assert_eq!(report.chosen[0], tidy(best.chance()));
+            let mut all = compared.front.iter().chain(&compared.dominated);
+            let known = all.find(|known| known.design == beside.texture.pattern).unwrap();
+            assert!((known.goals[0] - best.chance()).abs() < 1e-4, "{known:?} {}", best.chance());
+        });
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{PRESSURE_MPA, counted, tidy};
 use slipgrid_model::pattern::Pattern;
 
-use crate::prediction::{Prediction, percent};
+use crate::prediction::{Prediction, chance_of, percent};
 use crate::search::Search;
 use crate::steps::Steps;
 use crate::task::{TradeOffGoal, TradeOffsWanted};
@@ -87,12 +87,20 @@ pub fn of(search: &Search<'_>, best: &Prediction, solved: &[Prediction]) -> Opti
     let peak_off = best.texture.run.as_ref().zip(search.table.answer(&own));
     let peak_off = peak_off.map_or(1.0, |(run, own)| run.peak_pressure_pa() / own.peak_pressure_pa());
     let value = |found: &Prediction, goal: &TradeOffGoal| value(search, found, *goal, peak_off);
-    let one = |pattern: &Pattern| {
+    let roughly = |pattern: &Pattern| {
         let laid = search.table.lay(pattern)?;
-        let found = search.roughly_with((pattern, &laid), &off, &best.texture.covariance, peak_off.max(1.0));
+        search.roughly_with((pattern, &laid), &off, &best.texture.covariance, peak_off.max(1.0))
+    };
+    // Rough predictions leave out unlikely members: the log odds of all are shifted by what this changes at `best`.
+    let shift = roughly(&own).map_or(0.0, |own| best.log_odds() - own.log_odds());
+    let one = |pattern: &Pattern| {
+        let found = roughly(pattern);
         let found = found.filter(|found| found.texture.excess == 0.0 && !search.stage.cancelled())?;
-        let goals = wanted.goals.iter().map(|goal| value(&found, goal)).collect::<Option<Vec<f64>>>()?;
-        Some(TradeOff { design: *pattern, goals })
+        let of = |goal: &TradeOffGoal| match goal {
+            TradeOffGoal::Chance => Some(chance_of(found.log_odds() + shift)),
+            goal => value(&found, goal),
+        };
+        Some(TradeOff { design: *pattern, goals: wanted.goals.iter().map(of).collect::<Option<Vec<f64>>>()? })
     };
     let mut all: Vec<TradeOff> = patterns.par_iter().filter(|pattern| **pattern != own).filter_map(one).collect();
     let chosen: Vec<f64> = wanted.goals.iter().map(|goal| value(best, goal).unwrap_or(f64::NAN)).collect();
