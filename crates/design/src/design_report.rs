@@ -11,7 +11,7 @@ use crate::optimize::{Goal, Quantity};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{counted, tidy};
-use slipgrid_laser::export::{Laser, Removal, SpecimenRecord, Tolerances};
+use slipgrid_laser::export::{Laser, MadeBy, Removal, SpecimenRecord, Tolerances};
 use slipgrid_model::material::Provenance;
 use slipgrid_model::springblock::{Dimension, Extent, Fidelity};
 
@@ -31,12 +31,9 @@ pub const SCHEMA: u32 = 2;
 /// result.json of `optimize`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DesignReport {
-    /// Program name, `slipgrid`.
-    pub program: Cow<'static, str>,
-    /// Version of the program.
-    pub version: Cow<'static, str>,
-    /// Schema version of the file.
-    pub schema: u32,
+    /// Program that made the result.
+    #[serde(flatten)]
+    pub made_by: MadeBy,
     /// Name of the design.
     pub name: String,
     /// Date of the task; left out where the task names none.

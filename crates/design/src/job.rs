@@ -1,7 +1,7 @@
 //! Job of `optimize`, from a task to a design: the texture with the maximum chance of a sample on target, confirmed by
 //! a dynamic run.
 
-use crate::results::{VERSION, load_reports, measured_range, section_note};
+use crate::results::{MadeBy, load_reports, measured_range, section_note};
 use slipgrid_base::monitor::{CachingMonitor, Monitor};
 use slipgrid_base::units::tidy;
 use slipgrid_laser::export::{Removal, burst_warnings};
@@ -168,9 +168,7 @@ fn reported(
     }
     said.model.extend(section.map(section_note));
     let report = DesignReport {
-        program: "slipgrid".into(),
-        version: VERSION.into(),
-        schema: SCHEMA,
+        made_by: MadeBy::slipgrid(SCHEMA),
         name: task.name.clone(),
         date: task.date.clone(),
         advice: advice.name().into(),

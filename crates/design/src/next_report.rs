@@ -7,7 +7,7 @@ use slipgrid_base::units::counted;
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_infer::discrepancy::{Distribution, Load};
 
-use slipgrid_laser::export::{Laser, MEASURE_EACH_ALONE, Outline, Sector, SpecimenRecord, Tolerances};
+use slipgrid_laser::export::{Laser, MEASURE_EACH_ALONE, MadeBy, Outline, Sector, SpecimenRecord, Tolerances};
 use slipgrid_model::material::Provenance;
 
 use crate::design_report::samples_table;
@@ -18,12 +18,9 @@ use crate::search::ALIKE;
 /// Samples to cut next.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct NextReport {
-    /// Program name.
-    pub program: String,
-    /// Version of the program.
-    pub version: String,
-    /// Schema version of the record.
-    pub schema: u32,
+    /// Program that made the record.
+    #[serde(flatten)]
+    pub made_by: MadeBy,
     /// Name of the design.
     pub name: String,
     /// Number of measured trials.

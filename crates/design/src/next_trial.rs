@@ -1,6 +1,6 @@
 //! Samples to cut next: those with the maximum chance by the model corrected by trials.
 
-use crate::results::VERSION;
+use crate::results::MadeBy;
 use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::{counted, tidy};
@@ -195,9 +195,7 @@ fn choose(
 pub fn new_report(search: &Search<'_>, options: &NextOptions) -> NextReport {
     let Search { prepared, task, asked, .. } = *search;
     NextReport {
-        program: "slipgrid".to_owned(),
-        version: VERSION.to_owned(),
-        schema: SCHEMA,
+        made_by: MadeBy::slipgrid(SCHEMA),
         name: task.name.clone(),
         trials: asked.learned.trials().len(),
         pending: options.pending.len(),

@@ -5,33 +5,36 @@ use std::collections::BTreeMap;
 use crate::results::PatternReport;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use slipgrid_laser::export::{Laser, SpecimenRecord, Tolerances};
-use slipgrid_model::material::Provenance;
-
-use crate::next_report::NextReport;
+use slipgrid_laser::export::{ProcessInput, SpecimenRecord};
 
 /// Design of `optimize` or sample of `next` to export, from result.json.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StoredDesign {
-    /// Name of the design.
-    pub name: String,
-    /// Version of the program that wrote the file.
-    pub version: String,
-    /// Schema version of the file.
-    #[serde(default = "crate::results::first_schema")]
-    pub schema: u32,
     /// Design to export.
     pub design: PatternReport,
-    /// Material of the design.
-    pub material: Provenance,
     /// Specimen to export.
     pub specimen: SpecimenRecord,
-    /// Laser settings.
-    pub laser: Laser,
-    /// Assumed manufacturing tolerances of samples; absent where the design file does not give them.
-    pub tolerances: Option<Tolerances>,
-    /// Seed of the random local coefficients.
-    pub seed: u64,
+    /// Laser and metadata.
+    pub about: ProcessInput,
+}
+
+/// Specimen and samples of a result of `optimize` or `next`.
+#[derive(Deserialize)]
+struct Stored {
+    specimen: SpecimenRecord,
+    design: Option<PatternReport>,
+    one_disc: Option<IgnoredAny>,
+    #[serde(default)]
+    samples: Vec<Sample>,
+    #[serde(default)]
+    own: Vec<Sample>,
+    #[serde(default)]
+    others: Vec<Sample>,
+}
+
+#[derive(Deserialize)]
+struct Sample {
+    design: PatternReport,
 }
 
 /// Error of reading a stored result.
@@ -71,18 +74,6 @@ const OTHERS: [(&str, &str); 3] = [
     ("parameters", ", as a result of `slipgrid surface`"),
 ];
 
-/// Other textures worth cutting in a result of `optimize`.
-#[derive(Deserialize)]
-struct Others {
-    #[serde(default)]
-    others: Vec<Other>,
-}
-
-#[derive(Deserialize)]
-struct Other {
-    design: PatternReport,
-}
-
 impl StoredDesign {
     /// Reads the sample with the number `sample` from a result of `optimize` or `next`: its row in the table, counted
     /// from 1, by default the first. In a result of `optimize` the first is the design, and the others worth cutting
@@ -97,28 +88,21 @@ impl StoredDesign {
             let other = OTHERS.into_iter().find(|(field, _)| has(field));
             return Err(StoredError::Another(other.map_or("", |(_, words)| words)));
         }
-        let number = sample.unwrap_or(1);
-        if has("design") {
-            let stored: Self = serde_json::from_str(text).map_err(StoredError::Optimize)?;
-            if number == 1 {
-                return Ok(stored);
-            }
-            let Others { others } = serde_json::from_str(text).map_err(StoredError::Optimize)?;
-            let rows = 1 + others.len();
-            let other = number.checked_sub(2).and_then(|place| others.into_iter().nth(place));
-            let Other { design } = other.ok_or(StoredError::NoSample { number, rows })?;
-            return Ok(Self { design, ..stored });
-        }
-        let stored: NextReport = serde_json::from_str(text).map_err(StoredError::Next)?;
+        let refused = if has("design") { StoredError::Optimize } else { StoredError::Next };
+        // Separately, because errors in a flattened record would have no line.
+        let stored: Stored = serde_json::from_str(text).map_err(refused)?;
+        let about: ProcessInput = serde_json::from_str(text).map_err(refused)?;
         if stored.one_disc.is_some() && sample.is_none() {
             return Err(StoredError::Sectors);
         }
-        let rows = stored.rows();
-        let row = number.checked_sub(1).and_then(|place| rows.get(place));
-        let (_, of) = row.ok_or(StoredError::NoSample { number, rows: rows.len() })?;
-        let design = of.design.clone();
-        let NextReport { name, version, schema, material, specimen, laser, tolerances, seed, .. } = stored;
-        Ok(Self { name, version, schema, design, material, specimen, laser, tolerances, seed })
+        // In the order of the tables of `optimize` and `next`.
+        let samples = [stored.samples, stored.own, stored.others].into_iter().flatten().map(|of| of.design);
+        let mut designs: Vec<PatternReport> = stored.design.into_iter().chain(samples).collect();
+        let (number, rows) = (sample.unwrap_or(1), designs.len());
+        if !(1..=rows).contains(&number) {
+            return Err(StoredError::NoSample { number, rows });
+        }
+        Ok(Self { design: designs.swap_remove(number - 1), specimen: stored.specimen, about })
     }
 }
 

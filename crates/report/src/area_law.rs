@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::charts::{self, AreaPoint, Estimate};
 use slipgrid_base::units::tidy;
-use slipgrid_design::results::{Table, fixed};
+use slipgrid_design::results::{MadeBy, Table, fixed};
 use slipgrid_infer::calibrate::area_law_sampling::{Resolution, WindowSpread};
 
 mod curve;
@@ -14,12 +14,9 @@ pub use curve::{AreaLawCurve, AreaLawOptions};
 /// Record that `area-law --json` prints. Fields that need a map are null for an analytic law.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct AreaLawReport {
-    /// Program name: `slipgrid`.
-    pub program: &'static str,
-    /// Program version.
-    pub version: &'static str,
-    /// Schema version of the record.
-    pub schema: u32,
+    /// Program that made the record.
+    #[serde(flatten)]
+    pub made_by: MadeBy,
     /// Name of the map.
     pub map: Option<String>,
     /// The map file states that its surface is synthetic.

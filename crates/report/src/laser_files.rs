@@ -14,7 +14,7 @@ use slipgrid_model::material::Provenance;
 use slipgrid_model::pattern::Pattern;
 
 use crate::Outputs;
-use slipgrid_design::results::{SCHEMA, VERSION};
+use slipgrid_design::results::{MadeBy, SCHEMA};
 use slipgrid_laser::export::Specimen;
 
 /// Format of a file for the laser; [`LaserFile::described`] names the file and describes the content.
@@ -210,12 +210,11 @@ pub fn draw_next(found: &NextTrials, task: &DesignTask) -> Result<Vec<Outputs>, 
 pub(crate) fn about(task: &DesignTask, name: &str, material: &Provenance) -> ProcessInput {
     ProcessInput {
         name: name.to_owned(),
-        version: VERSION.to_owned(),
-        schema: SCHEMA,
+        made_by: MadeBy::slipgrid(SCHEMA),
         seed: task.search.seed,
         laser: task.laser,
         tolerances: task.assumed_tolerances(),
-        material: material.into(),
+        material: material.clone(),
     }
 }
 
@@ -254,8 +253,8 @@ impl<T> Drawing<T> {
         to: &mut dyn Write,
         format: impl FnOnce(&T, &Heading<'_>, &mut dyn Write) -> io::Result<()>,
     ) -> io::Result<()> {
-        let ProcessInput { name, version, material, .. } = &self.about;
+        let ProcessInput { name, made_by, material, .. } = &self.about;
         let note = material.synthetic_surface.then_some("the area law behind this design rests on a synthetic surface");
-        format(&self.drawn, &Heading { name, version, notes: note.as_slice() }, to)
+        format(&self.drawn, &Heading { name, version: &made_by.version, notes: note.as_slice() }, to)
     }
 }

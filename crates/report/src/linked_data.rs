@@ -109,7 +109,7 @@ pub fn of_design(report: &DesignReport, outputs: &Outputs) -> Result<String, NoJ
     }));
     let technique = format!(
         "simulation of dry friction by slipgrid {}, corrected by {}",
-        report.version,
+        report.made_by.version,
         counted(report.trials, "measured trial")
     );
     let description = format!("Laser texture designed for a target of dry friction: {}", report.words);
@@ -137,7 +137,8 @@ pub fn of_trials(report: &TrialsReport, outputs: &Outputs) -> Result<String, NoJ
         value
     };
     let ratios = report.trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| ratio(trial, at)));
-    let technique = format!("measurement in a tribometer, compared with predictions by slipgrid {}", report.version);
+    let technique =
+        format!("measurement in a tribometer, compared with predictions by slipgrid {}", report.made_by.version);
     let description =
         "Friction of laser-textured samples over that of flat samples, measured, with the predictions before";
     to_text(&data_set(&report.name, description, &technique, ratios.collect(), outputs))

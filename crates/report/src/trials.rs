@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
-use slipgrid_design::results::{SCHEMA, VERSION};
+use slipgrid_design::results::{MadeBy, SCHEMA};
 use slipgrid_infer::calibrate::{CutSample, LandEffect, Measurement, contradicting_samples};
 use slipgrid_infer::discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
 
@@ -29,12 +29,9 @@ const PER_MM: f64 = 1e-3;
 /// Ledger of a calibration's trials: measured ratios with their predictions, as `slipgrid trials` reports them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrialsReport {
-    /// Program name.
-    pub program: String,
-    /// Program version.
-    pub version: String,
-    /// Schema version of the record.
-    pub schema: u32,
+    /// Program that made the record.
+    #[serde(flatten)]
+    pub made_by: MadeBy,
     /// Name of the calibration.
     pub name: String,
     /// Warnings about implausible measurements, and about contradictory samples of one texture.
@@ -231,9 +228,7 @@ impl TrialsReport {
             }
         });
         Ok(Self {
-            program: "slipgrid".to_owned(),
-            version: VERSION.to_owned(),
-            schema: SCHEMA,
+            made_by: MadeBy::slipgrid(SCHEMA),
             name: name.to_owned(),
             warnings: contradicting_samples(learned),
             trials: learned.trials().iter().enumerate().map(trial).collect(),

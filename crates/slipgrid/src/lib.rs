@@ -60,7 +60,7 @@
 //! println!("{}", found.report.summary());
 //!
 //! let layout = design.task.specimen.layout(found.pattern)?;
-//! let heading = export::Heading { name: &design.task.name, version: &found.report.version, notes: &[] };
+//! let heading = export::Heading { name: &design.task.name, version: &found.report.made_by.version, notes: &[] };
 //! let mut drawing = Vec::new();
 //! export::dxf(&layout, &heading, &mut drawing)?;
 //! assert!(drawing.starts_with(b"999\nslipgrid"));

@@ -13,7 +13,7 @@ use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::file_kind::FileKind;
 use slipgrid_io::formats::source::read_text;
 use slipgrid_io::formats::stored_pattern::{stored_pattern, stored_specimen};
-use slipgrid_report::{DrawingInput, Outputs, ProcessInput, draw_with};
+use slipgrid_report::{DrawingInput, Outputs, draw_with};
 
 /// Name of the result file in its folder.
 const RESULT: &str = "result.json";
@@ -33,23 +33,15 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     let refuse = |reason: String| Diagnostic::file(result, reason);
     let pattern = stored_pattern(result, &stored.design)?;
     let outline = stored_specimen(result, &stored.specimen)?;
-    let about = ProcessInput {
-        name: stored.name,
-        version: stored.version,
-        schema: slipgrid_design::results::SCHEMA,
-        seed: stored.seed,
-        laser: stored.laser,
-        tolerances: stored.tolerances,
-        material: (&stored.material).into(),
-    };
-    let input = DrawingInput { pattern, outline, about };
+    let mut input = DrawingInput { pattern, outline, about: stored.about };
+    input.about.made_by.schema = slipgrid_design::results::SCHEMA;
     let pixel_um = args.pixel_um.filter(|&pixel_um| LENGTH_UM.accepts(pixel_um));
     if let Some(refused) = args.pixel_um.filter(|_| pixel_um.is_none()) {
         let refused = Diagnostic::flag("--pixel-um", refused.to_string(), "is out of range");
         return Err(refused.expected(LENGTH_UM.to_string()).into());
     }
     // A pattern that the laser cannot make is not drawn.
-    stored.laser.check(&pattern).map_err(|error| refuse(error.to_string()))?;
+    input.about.laser.check(&pattern).map_err(|error| refuse(error.to_string()))?;
     let mut outputs = Outputs::default();
     let unwritten =
         draw_with(&input, &args.format, pixel_um, &mut outputs).map_err(|error| refuse(error.to_string()))?;
@@ -81,8 +73,9 @@ fn read(path: &Path, sample: Option<usize>) -> Result<StoredDesign, Diagnostic> 
         };
         Diagnostic { line: line.filter(|&line| line > 0), ..refused }
     })?;
-    if stored.schema > SCHEMA {
-        let refused = Diagnostic::file(path, format!("has schema {}, of a later slipgrid", stored.schema));
+    let schema = stored.about.made_by.schema;
+    if schema > SCHEMA {
+        let refused = Diagnostic::file(path, format!("has schema {schema}, of a later slipgrid"));
         return Err(refused.expected(format!("a schema up to {SCHEMA}")));
     }
     Ok(stored)

@@ -44,6 +44,7 @@ pub use simulation::{
     LoadReport, SimulationReport, beyond_measured, beyond_measured_range, load_reports, material_doubts,
     measured_range, section_note, unresolved, warnings,
 };
+pub use slipgrid_laser::export::MadeBy;
 pub use table::{Records, Table, fixed, with_error};
 pub use timings::{TIMES, json_and_timings};
 
@@ -53,11 +54,6 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Schema version of files that are written and may be read back. After the first release it increases when a key is
 /// removed or changes its meaning, not when a key is added. Files without a schema version have version 1.
 pub const SCHEMA: u32 = 1;
-
-/// Schema version of files that do not give one.
-pub const fn first_schema() -> u32 {
-    1
-}
 
 /// Error of a record that cannot be written as JSON.
 #[derive(Debug, thiserror::Error)]

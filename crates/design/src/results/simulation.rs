@@ -8,6 +8,7 @@ use slipgrid_model::material::Provenance;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Scene, Simulation, Status};
 
+use super::MadeBy;
 use super::corrected::CorrectedReport;
 use super::errors::ErrorsReport;
 use super::notes::ABOUT_MATERIAL;
@@ -17,13 +18,9 @@ use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 /// Results of a simulated scene, as `simulate --json` prints them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SimulationReport {
-    /// Program name, `slipgrid`.
-    pub program: Cow<'static, str>,
-    /// Version of the program.
-    pub version: Cow<'static, str>,
-    /// Schema version of the file.
-    #[serde(default = "crate::results::first_schema")]
-    pub schema: u32,
+    /// Program that made the result.
+    #[serde(flatten)]
+    pub made_by: MadeBy,
     /// Fidelity: `steady`, `dynamic` or `reference`.
     pub fidelity: Cow<'static, str>,
     /// Extent of the model: `cell`, `sample` or `strip`.
@@ -226,9 +223,7 @@ impl SimulationReport {
         let pattern = scene.pattern.as_ref();
         let section = scene.section();
         Self {
-            program: "slipgrid".into(),
-            version: crate::results::VERSION.into(),
-            schema: crate::results::SCHEMA,
+            made_by: MadeBy::slipgrid(super::SCHEMA),
             fidelity: scene.run.fidelity.name().into(),
             extent: scene.run.extent.name().into(),
             dimensions: scene.dimension().number(),

@@ -4,7 +4,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::{NoJsonForm, SCHEMA, VERSION, json};
+use super::{MadeBy, NoJsonForm, SCHEMA, json};
 
 /// Keys whose values differ from run to run: result.json does not have them.
 pub const TIMES: [&str; 4] = ["timings_s", "wall_s", "threads", "site_updates_per_s"];
@@ -16,9 +16,8 @@ pub const TIMES: [&str; 4] = ["timings_s", "wall_s", "threads", "site_updates_pe
 /// [`NoJsonForm`] as for [`json`].
 pub fn json_and_timings(value: &impl Serialize) -> Result<[String; 2], NoJsonForm> {
     let (result, times) = split(serde_json::to_value(value).map_err(NoJsonForm)?);
-    let head = [("program", Value::from("slipgrid")), ("version", VERSION.into()), ("schema", SCHEMA.into())];
-    let mut entries: Map<String, Value> = head.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
-    if let Some(Value::Object(times)) = times {
+    let mut entries = serde_json::to_value(MadeBy::slipgrid(SCHEMA)).map_err(NoJsonForm)?;
+    if let (Value::Object(entries), Some(Value::Object(times))) = (&mut entries, times) {
         entries.extend(times);
     }
     Ok([json(&result)?, json(&entries)?])
@@ -53,6 +52,7 @@ fn split(whole: Value) -> (Value, Option<Value>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::results::VERSION;
 
     #[test]
     fn times_go_and_all_else_stays_in_its_order_to_the_last_digit() {

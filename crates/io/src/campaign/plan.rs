@@ -21,7 +21,7 @@ use serde_json::Value as Json;
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::lattice;
-use slipgrid_design::results::{SCHEMA, VERSION};
+use slipgrid_design::results::{MadeBy, SCHEMA};
 use slipgrid_infer::calibrate::Selection;
 use slipgrid_model::pattern::Pattern;
 use toml::{Table, Value};
@@ -91,8 +91,8 @@ pub fn plan(files: &Source, path: &Path, monitor: &dyn Monitor) -> Result<Planne
     }
     let mut keys = varied.keys.clone();
     keys.extend(base_rows.iter().flat_map(Row::keys).cloned().collect::<BTreeSet<_>>());
-    let (program, version, inputs) = ("slipgrid".to_owned(), VERSION.to_owned(), BTreeMap::new());
-    let mut campaign = Campaign { program, version, schema: SCHEMA, name, kind, base: base_name, text, keys, inputs };
+    let (made_by, inputs) = (MadeBy::slipgrid(SCHEMA), BTreeMap::new());
+    let mut campaign = Campaign { made_by, name, kind, base: base_name, text, keys, inputs };
 
     let stage = Stage::new(monitor, "tasks", None);
     let read_once = ReadOnce::new(Arc::clone(files));

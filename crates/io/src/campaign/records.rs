@@ -9,7 +9,7 @@ use serde::de::{Error, Unexpected};
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
-use slipgrid_design::results::{SCHEMA, VERSION};
+use slipgrid_design::results::{MadeBy, SCHEMA, VERSION};
 use toml::{Table, Value};
 
 /// Number of hexadecimal digits of a task id. In a campaign of a million tasks, two ids coincide with a probability of
@@ -32,12 +32,9 @@ pub enum Kind {
 /// Data common to all tasks of a campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Campaign {
-    /// Name of the program that planned the campaign.
-    pub program: String,
-    /// Version of the program that planned the campaign; another version might give other results.
-    pub version: String,
-    /// Schema version of this record.
-    pub schema: u32,
+    /// Program that planned the campaign; another version might give other results.
+    #[serde(flatten)]
+    pub made_by: MadeBy,
     /// Name of the campaign.
     pub name: String,
     /// Kind of all tasks.
@@ -72,8 +69,9 @@ impl Campaign {
         let read: Self = serde_json::from_str(text).map_err(|error| {
             refuse(format!("is no campaign: {error}")).expected("what `slipgrid campaign plan` writes")
         })?;
-        if (read.version.as_str(), read.schema) != (VERSION, SCHEMA) {
-            let reason = format!("was planned by slipgrid {}, schema {}", read.version, read.schema);
+        let MadeBy { version, schema, .. } = &read.made_by;
+        if (&**version, *schema) != (VERSION, SCHEMA) {
+            let reason = format!("was planned by slipgrid {version}, schema {schema}");
             return Err(refuse(reason).expected(format!(
                 "slipgrid {VERSION}, schema {SCHEMA}: results of two versions do not stand in one table"
             )));
@@ -108,7 +106,7 @@ impl Campaign {
 
     /// Id of a task with this `text` that reads `inputs`, given as hashes by path.
     pub fn id(&self, text: &str, inputs: &BTreeMap<String, String>) -> String {
-        let content = serde_json::json!([self.version, self.schema, self.kind, text, inputs]);
+        let content = serde_json::json!([self.made_by.version, self.made_by.schema, self.kind, text, inputs]);
         hash(content.to_string().as_bytes())[..ID_DIGITS].to_owned()
     }
 }

@@ -27,7 +27,7 @@
 //! | [`csv`], [`corners_csv`], [`hatch_csv`] | tables of cavities, of their corners, and of marking lines |
 //! | [`height_map`], [`HeightMap`] | surface as a 16-bit PNG |
 //! | [`stl`], [`check_stl`] | removed volume as closed solids |
-//! | [`ProcessSheet`], [`ProcessInput`], [`WorkSheet`], [`Tolerances`], [`MaterialNote`] | process sheet for the operator of the laser, as TOML |
+//! | [`ProcessSheet`], [`ProcessInput`], [`MadeBy`], [`WorkSheet`], [`Tolerances`], [`MaterialNote`] | process sheet for the operator of the laser, as TOML |
 //! | [`SectorsSheet`], [`SectorSheet`], [`DividedSheet`], [`MEASURE_EACH_ALONE`] | process sheet of sectors |
 //! | [`ExportError`] | reasons why nothing can be exported |
 //!
@@ -103,7 +103,7 @@ pub(crate) use number::{
 };
 pub use outline::Outline;
 pub(crate) use outline::left_of;
-pub use process::{MaterialNote, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances, not_modelled};
+pub use process::{MadeBy, MaterialNote, PatternSheet, ProcessInput, ProcessSheet, Tolerances, not_modelled};
 pub use removal::{Removal, burst_warnings, laser_warnings};
 pub use sector_sheet::{DividedSheet, MEASURE_EACH_ALONE, SectorSheet, SectorsSheet};
 pub use sectors::{Division, MAX_SECTORS, MIN_PERIODS, Sector};

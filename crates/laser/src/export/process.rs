@@ -1,9 +1,11 @@
 //! Process sheet for the operator of the laser, as TOML.
 
+use std::borrow::Cow;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::material::Provenance;
-use slipgrid_model::pattern::{Pattern, Planform, TextureRecord};
+use slipgrid_model::pattern::{Pattern, Planform, Rim, TextureRecord};
 
 use crate::export::removal::removed_volume_m3;
 use crate::export::{
@@ -40,7 +42,6 @@ pub struct Tolerances {
 
 /// The material and the origin of its numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct MaterialNote {
     /// Name of the material.
     pub name: String,
@@ -56,15 +57,38 @@ impl From<&Provenance> for MaterialNote {
     }
 }
 
-/// Data for a process sheet in addition to the layout.
-#[derive(Clone, Debug, PartialEq)]
+/// Program that wrote a file, its version, and the version of the file's schema.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MadeBy {
+    /// Program name, `slipgrid`.
+    pub program: Cow<'static, str>,
+    /// Version of the program.
+    pub version: Cow<'static, str>,
+    /// Schema version of the file.
+    #[serde(default = "first_schema")]
+    pub schema: u32,
+}
+
+/// Schema version of files that do not give one.
+const fn first_schema() -> u32 {
+    1
+}
+
+impl MadeBy {
+    /// This program, for a file with the schema version `schema`.
+    pub fn slipgrid(schema: u32) -> Self {
+        Self { program: "slipgrid".into(), version: env!("CARGO_PKG_VERSION").into(), schema }
+    }
+}
+
+/// Data for a process sheet in addition to the layout; a result has them under the same keys.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct ProcessInput {
     /// Name of the design.
     pub name: String,
-    /// Version of the program that made the design.
-    pub version: String,
-    /// Version of the schema of the sheet.
-    pub schema: u32,
+    /// Program that made the design, with the schema version of the sheet.
+    #[serde(flatten)]
+    pub made_by: MadeBy,
     /// Seed of the design.
     pub seed: u64,
     /// Laser parameters.
@@ -72,21 +96,17 @@ pub struct ProcessInput {
     /// Tolerances that the design assumes, if any.
     pub tolerances: Option<Tolerances>,
     /// The material.
-    pub material: MaterialNote,
+    pub material: Provenance,
 }
 
 /// The process sheet. Dimensions of the pattern are rounded to one nanometre, derived numbers to six digits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct ProcessSheet {
     /// Name of the design.
     pub name: String,
     /// Program that made the sheet.
-    pub program: String,
-    /// Version of the program.
-    pub version: String,
-    /// Version of the file's schema.
-    pub schema: u32,
+    #[serde(flatten)]
+    pub made_by: MadeBy,
     /// Seed of the design.
     pub seed: u64,
     /// Effects that the prediction leaves out.
@@ -184,21 +204,18 @@ impl ProcessSheet {
     /// # Errors
     /// [`ExportError::Refused`] if a given tolerance is not positive; errors of [`Laser::validate`].
     pub fn new(layout: &Layout, input: ProcessInput) -> Result<Self, ExportError> {
-        let ProcessInput { name, version, schema, seed, laser, tolerances, material } = input;
+        let ProcessInput { name, made_by, seed, laser, tolerances, material } = input;
         laser.validate()?;
         if let Some(Tolerances { width_um, spacing_um, depth_um, .. }) = tolerances {
             let names = ["tolerance width_um", "tolerance spacing_um", "tolerance depth_um"];
             all_positive(names.into_iter().zip([width_um, spacing_um, depth_um]))?;
         }
         let pattern = layout.pattern();
-        let rim = pattern.texture().rim().filter(|rim| rim.stands());
         Ok(Self {
             name,
-            program: "slipgrid".to_owned(),
-            version,
-            schema,
+            made_by,
             seed,
-            not_modelled: not_modelled(rim.is_some()).map(str::to_owned).to_vec(),
+            not_modelled: not_modelled(pattern.texture().rim().is_some_and(Rim::stands)).map(str::to_owned).to_vec(),
             pattern: PatternSheet::from(pattern),
             tolerances,
             specimen: SpecimenSheet {
@@ -213,7 +230,7 @@ impl ProcessSheet {
             },
             laser,
             work: WorkSheet { warnings: burst_warnings(layout, &laser), ..WorkSheet::new(layout, &laser) },
-            material,
+            material: (&material).into(),
         })
     }
 

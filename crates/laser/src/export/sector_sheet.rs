@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::export::process::sheet_toml;
 use crate::export::sectors::wrong_count;
 use crate::export::{
-    ANGLE_DECIMALS, Division, ExportError, Laser, MAX_SECTORS, MaterialNote, PatternSheet, ProcessInput, Removal,
-    Sector, burst_warnings, laser_time_s, millimetres, not_modelled, round_decimals, sector_layer, six_digits,
+    ANGLE_DECIMALS, Division, ExportError, Laser, MAX_SECTORS, MadeBy, MaterialNote, PatternSheet, ProcessInput,
+    Removal, Sector, burst_warnings, laser_time_s, millimetres, not_modelled, round_decimals, sector_layer, six_digits,
 };
 
 /// Advice for measuring sectors.
@@ -16,16 +16,12 @@ pub const MEASURE_EACH_ALONE: &str = "measure each sector alone: with a counter-
 
 /// The process sheet of sectors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct SectorsSheet {
     /// Name of the design.
     pub name: String,
     /// Program that made the sheet.
-    pub program: String,
-    /// Version of the program.
-    pub version: String,
-    /// Version of the file's schema.
-    pub schema: u32,
+    #[serde(flatten)]
+    pub made_by: MadeBy,
     /// Seed of the design.
     pub seed: u64,
     /// Advice for measuring sectors.
@@ -44,7 +40,6 @@ pub struct SectorsSheet {
 
 /// A specimen divided into sectors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct DividedSheet {
     /// `disc`, `rectangle` or `ring`.
     pub shape: String,
@@ -64,7 +59,6 @@ pub struct DividedSheet {
 
 /// One sector with its pattern and the laser work for it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct SectorSheet {
     /// Number of the sector, from 1, anticlockwise.
     pub number: usize,
@@ -101,25 +95,20 @@ impl SectorsSheet {
     /// # Errors
     /// [`ExportError`] for an invalid laser, and without sectors.
     pub fn new(sectors: &[Sector], input: ProcessInput) -> Result<Self, ExportError> {
-        let ProcessInput { name, version, schema, seed, laser, material, .. } = input;
+        let ProcessInput { name, made_by, seed, laser, material, .. } = input;
         laser.validate()?;
-        let Some(first) = sectors.first() else {
-            return Err(wrong_count(0, MAX_SECTORS));
-        };
-        let division = first.division();
+        let division = sectors.first().ok_or_else(|| wrong_count(0, MAX_SECTORS))?.division();
         let has_rim = sectors.iter().any(|of| of.pattern().texture().rim().is_some_and(|rim| rim.stands()));
         Ok(Self {
             name,
-            program: "slipgrid".to_owned(),
-            version,
-            schema,
+            made_by,
             seed,
             measuring: MEASURE_EACH_ALONE.to_owned(),
             not_modelled: not_modelled(has_rim).map(str::to_owned).to_vec(),
             specimen: DividedSheet::new(division),
             sector: sectors.iter().map(|sector| SectorSheet::new(sector, &laser)).collect(),
             laser,
-            material,
+            material: (&material).into(),
         })
     }
 

@@ -42,7 +42,6 @@ const EXPOSURES_FORMULA: &str = "lines within half a spot of a point, as a mean 
 /// Laser work for a specimen: bursts, marking lines, passes and time. Values that need missing laser parameters are
 /// absent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct WorkSheet {
     /// `hatch` or `mask`.
     pub exposure: Exposure,

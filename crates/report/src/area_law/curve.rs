@@ -1,7 +1,7 @@
 //! Options of an area-law computation, and conversion of the results to a record.
 
 use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
-use slipgrid_design::results::{SCHEMA, VERSION};
+use slipgrid_design::results::{MadeBy, SCHEMA};
 use slipgrid_infer::calibrate::area_law::{AreaLawRequest, SurfaceAreaLaw, SurfaceWarning, area_law, persson_curve};
 use slipgrid_infer::calibrate::area_law_sampling::{Resolution, WindowSpread};
 use slipgrid_infer::calibrate::light_pressure_pa;
@@ -174,9 +174,7 @@ impl AreaLawCurve {
             residual: point.convergence.residual,
         };
         AreaLawReport {
-            program: "slipgrid",
-            version: VERSION,
-            schema: SCHEMA,
+            made_by: MadeBy::slipgrid(SCHEMA),
             rms_slope,
             youngs_modulus_gpa: self.options.youngs_modulus_gpa,
             poisson_ratio: self.options.poisson_ratio,

@@ -8,17 +8,14 @@ use super::{Fitted, StaticPeakFit};
 use crate::ChartError;
 use crate::charts::{self, Estimate};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
-use slipgrid_design::results::{NoJsonForm, SCHEMA, Table, VERSION, fixed, json};
+use slipgrid_design::results::{MadeBy, NoJsonForm, SCHEMA, Table, fixed, json};
 
 /// Record of a fit, as in fit.json.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct FitReport {
-    /// Program name: `slipgrid`.
-    pub program: &'static str,
-    /// Program version.
-    pub version: &'static str,
-    /// Schema version of the record.
-    pub schema: u32,
+    /// Program that made the record.
+    #[serde(flatten)]
+    pub made_by: MadeBy,
     /// Fitted parameters.
     pub parameters: Vec<Parameter>,
     /// Covariance of the parameters; null where the data do not determine it.
@@ -68,9 +65,7 @@ impl Fitted {
     pub fn fit_json(&self) -> Result<String, NoJsonForm> {
         let fit = &self.outcome.fit;
         json(&FitReport {
-            program: "slipgrid",
-            version: VERSION,
-            schema: SCHEMA,
+            made_by: MadeBy::slipgrid(SCHEMA),
             parameters: self.parameters(),
             covariance: fit.covariance.iter().map(|row| row.iter().map(|&value| finite(value)).collect()).collect(),
             chi_square: tidy(fit.chi_square),

@@ -57,7 +57,7 @@ pub fn design(
         });
         page.fold("The laser, as the design gives it", |page| laser(page, &report.laser));
     });
-    page.finish(&report.name, &report.version)
+    page.finish(&report.name, &report.made_by.version)
 }
 
 /// Adds expected values at every load, the inputs that limit them, uncertainty budgets, and the sensitivity to each

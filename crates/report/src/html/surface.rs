@@ -80,7 +80,7 @@ pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
         page.picture_of(outputs, "spectrum.svg", "Power against wave number, both axes logarithmic");
     });
     page.part("What was done to the map", |page| page.sentences(&report.model));
-    page.finish(&title, report.version)
+    page.finish(&title, &report.made_by.version)
 }
 
 fn verdict(page: &mut Page, report: &SurfaceReport) {

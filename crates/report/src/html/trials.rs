@@ -61,7 +61,7 @@ pub fn trials(report: &TrialsReport, sheet: &FrictionSheet, outputs: &Outputs) -
     details(&mut page, report);
     published(&mut page, report);
     statements(&mut page, sheet);
-    page.finish(&title, &report.version)
+    page.finish(&title, &report.made_by.version)
 }
 
 /// Adds the ledger `report` as a part of another page.

@@ -14,15 +14,14 @@ use slipgrid_base::monitor::Monitor;
 use slipgrid_surface::topography::{HeightMap, MapError, PreparedMap, ShortWaves, SpectrumBin};
 
 use slipgrid_base::units::tidy;
-use slipgrid_design::results::{SCHEMA, SCREEN_WIDTH, Table, VERSION, fixed, wrapped};
+use slipgrid_design::results::{MadeBy, SCHEMA, SCREEN_WIDTH, Table, fixed, wrapped};
 use slipgrid_io::formats::altitude_map::told;
 
 /// Record that `surface --json` prints.
 #[derive(Clone, Debug, Serialize)]
 pub struct SurfaceReport {
-    program: &'static str,
-    pub(crate) version: &'static str,
-    schema: u32,
+    #[serde(flatten)]
+    pub(crate) made_by: MadeBy,
     pub(crate) map: String,
     pub(crate) format: &'static str,
     /// The map file states that its surface is synthetic.
@@ -188,9 +187,7 @@ impl SurfaceReport {
             found => found.ok(),
         };
         Ok(Self {
-            program: "slipgrid",
-            version: VERSION,
-            schema: SCHEMA,
+            made_by: MadeBy::slipgrid(SCHEMA),
             map: path.display().to_string(),
             format: surface.format.name(),
             synthetic_surface: surface.synthetic,

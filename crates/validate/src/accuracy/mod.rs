@@ -17,7 +17,7 @@ mod scene;
 use serde::Serialize;
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S};
-use slipgrid_design::results::{SCHEMA, VERSION};
+use slipgrid_design::results::{MadeBy, SCHEMA};
 use slipgrid_model::springblock::{Scene, SceneError, Unwatched, simulate};
 
 use crate::Failure;
@@ -30,9 +30,8 @@ pub use scene::{base, paper_scene, reduced};
 /// Result of a comparison, as `accuracy --json` prints it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Accuracy {
-    program: &'static str,
-    version: &'static str,
-    schema: u32,
+    #[serde(flatten)]
+    made_by: MadeBy,
     /// `quick` or `full`.
     size: &'static str,
     /// Description of the scene and of the comparison.
@@ -98,9 +97,7 @@ pub fn compare(
     monitor.heed()?;
     let (resolution_pct, methods) = comparison::compare(methods, &runs);
     Ok(Accuracy {
-        program: "slipgrid",
-        version: VERSION,
-        schema: SCHEMA,
+        made_by: MadeBy::slipgrid(SCHEMA),
         size: size.name(),
         model: describe(size, base, source, seeds),
         resolution_pct,

@@ -55,7 +55,7 @@ pub fn markdown(of: &Accuracy) -> String {
     let [architecture, system] = of.machine;
     text + &format!(
         "\nslipgrid {}, {architecture}, {system}; {:.0} s on {} in all.\n",
-        of.version,
+        of.made_by.version,
         of.wall_s,
         counted(of.threads, "thread")
     )

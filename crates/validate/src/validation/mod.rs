@@ -20,7 +20,7 @@ use std::path::Path;
 
 use slipgrid_base::monitor::{Monitor, Stage};
 use slipgrid_base::units::{HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, SPEED_MM_S, tidy};
-use slipgrid_design::results::{SCHEMA, VERSION};
+use slipgrid_design::results::{MadeBy, SCHEMA};
 use slipgrid_infer::calibrate::CutSample;
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::calibration::Calibration;
@@ -234,9 +234,7 @@ fn compare(
     let results: Vec<RatioReport> = pairs.iter().zip(by_measured_law).enumerate().map(result).collect();
     let slope_factors: Vec<f64> = surface.laws.iter().map(|law| law.slope_factor).collect();
     let mut report = ValidationReport {
-        program: "slipgrid",
-        version: VERSION,
-        schema: SCHEMA,
+        made_by: MadeBy::slipgrid(SCHEMA),
         name: calibration.stated.name.clone(),
         source: calibration.stated.source.clone(),
         trial: task.trial.clone(),

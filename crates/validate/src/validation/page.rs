@@ -82,7 +82,7 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     page.section(&report.pattern, true);
     page.paragraph(&format!("Depth of the measured cavities: {} µm.", plain(report.measured_depth_um)));
     page.model([&report.model, &[]], false);
-    page.finish(&title, report.version)
+    page.finish(&title, &report.made_by.version)
 }
 
 /// Pictures of the interface with their captions.

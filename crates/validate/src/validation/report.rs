@@ -6,17 +6,14 @@ use super::laws::ScaledLaw;
 use super::ratios::{MeasuredReport, RatioReport};
 use super::rims::RimsReport;
 use super::summary::Summary;
-use slipgrid_design::results::PatternReport;
+use slipgrid_design::results::{MadeBy, PatternReport};
 
 /// Record that `validate --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ValidationReport {
-    /// Program name: `slipgrid`.
-    pub program: &'static str,
-    /// Program version.
-    pub version: &'static str,
-    /// Schema version of the record.
-    pub schema: u32,
+    /// Program that made the record.
+    #[serde(flatten)]
+    pub made_by: MadeBy,
     /// Name of the calibration.
     pub name: String,
     /// Source of the measurements.

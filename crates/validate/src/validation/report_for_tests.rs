@@ -4,7 +4,7 @@ use super::laws::ScaledLaw;
 use super::ratios::{MeasuredReport, ModelledRatio, RatioReport};
 use super::report::{PublishedReport, TimeReport, ValidationReport};
 use super::summary::Summary;
-use slipgrid_design::results::PatternReport;
+use slipgrid_design::results::{MadeBy, PatternReport};
 
 /// Condition with a measured `ratio`, modelled at two slopes, the first of which did not converge.
 pub fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
@@ -47,9 +47,7 @@ pub fn report() -> ValidationReport {
     (results[1].measured.force_n, results[1].measured.pressure_mpa) = (200.0, 2.5);
     let slope_factors = vec![0.5, 1.0];
     ValidationReport {
-        program: "slipgrid",
-        version: "0.0.0",
-        schema: 1,
+        made_by: MadeBy { version: "0.0.0".into(), ..MadeBy::slipgrid(1) },
         name: "a <b> & \"c\"".into(),
         source: "a paper".into(),
         trial: None,

@@ -112,8 +112,8 @@ pub fn program() -> Command {
 /// arguments are keys of its tables.
 pub fn by_hand(design: &str, laser: &str, specimen: &str) -> String {
     format!(
-        r#"{{"name": "by hand", "version": "0", "seed": 1, "design": {{"width_um": 130.0, "spacing_um": 370.0,
-        "depth_um": 5.2, {design}, "areal_density": 0.1, "section_density": 0.1}}, "laser": {{{laser}}},
+        r#"{{"name": "by hand", "program": "slipgrid", "version": "0", "seed": 1, "design": {{"width_um": 130.0,
+        "spacing_um": 370.0, "depth_um": 5.2, {design}, "areal_density": 0.1, "section_density": 0.1}}, "laser": {{{laser}}},
         "specimen": {{{specimen}}},
         "material": {{"name": "", "source": "", "synthetic_surface": false, "notes": []}}}}"#
     )

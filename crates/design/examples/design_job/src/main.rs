@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
         run(&task, &mut NoCache, &button)
     })?;
     println!("{}", found.report.summary());
-    let heading = Heading { name: &task.name, version: &found.report.version, notes: &[] };
+    let heading = Heading { name: &task.name, version: &found.report.made_by.version, notes: &[] };
     dxf(&specimen.layout(found.pattern)?, &heading, &mut File::create("pattern.dxf")?)?;
     Ok(())
 }

@@ -10,8 +10,7 @@ use slipgrid_model::pattern::{Arrangement, Polygon, Rim, RimProfile, Texture};
 pub(crate) fn input(repetition_hz: Option<f64>) -> ProcessInput {
     ProcessInput {
         name: "LDPE, lower friction".to_owned(),
-        version: "0.1.0".to_owned(),
-        schema: 1,
+        made_by: MadeBy::slipgrid(1),
         seed: 1,
         laser: Laser {
             wavelength_nm: Some(1064.0),
@@ -28,10 +27,11 @@ pub(crate) fn input(repetition_hz: Option<f64>) -> ProcessInput {
             depth_um: Some(1.3),
             basis: "scatter of the published pattern".to_owned(),
         }),
-        material: MaterialNote {
+        material: Provenance {
             name: "LDPE on grey cast iron".to_owned(),
             source: "Balestra et al., J. Tribol. 144, 031704".to_owned(),
             synthetic_surface: true,
+            ..Provenance::default()
         },
     }
 }

@@ -3,7 +3,7 @@
 use slipgrid_design::records::{
     GoalReport, LiftedReport, ListedDesign, SlopeReport, TableReport, TargetReport, Tolerance, TradeOffsReport,
 };
-use slipgrid_design::results::{LoadReport, PatternReport};
+use slipgrid_design::results::{LoadReport, MadeBy, PatternReport};
 use slipgrid_design::{DesignReport, Expected, LimitedBy, ModelledRatio, SampleReport};
 use slipgrid_laser::export::{Ablation, Exposure, Laser, Removal};
 use slipgrid_model::material::Provenance;
@@ -23,8 +23,7 @@ pub fn report() -> DesignReport {
     let sample = sample(&design);
     DesignReport {
         date: Some("2026-11-22".to_owned()),
-        program: "slipgrid".into(),
-        version: "0.0.0".into(),
+        made_by: MadeBy { version: "0.0.0".into(), ..MadeBy::slipgrid(0) },
         name: "a <b> & \"c\"".into(),
         advice: "trial".into(),
         words: "cut a trial: 16 % chance that a cut sample is on target".into(),
