@@ -110,10 +110,10 @@ pub struct SimulateArgs {
     /// Scene file
     pub scene: PathBuf,
     /// Solution method; the scene's choice by default
-    #[arg(long, value_parser = named(FIDELITIES))]
+    #[arg(long, value_parser = named(FIDELITIES, Fidelity::name))]
     pub fidelity: Option<Fidelity>,
     /// Modelled part of the specimen; the scene's choice by default
-    #[arg(long, value_parser = named(EXTENTS))]
+    #[arg(long, value_parser = named(EXTENTS, Extent::name))]
     pub extent: Option<Extent>,
     /// Print everything: all doubts, intervals, assumptions and the numerical method
     #[arg(long, conflicts_with = "json")]
@@ -378,28 +378,29 @@ pub struct ManArgs {
     pub output: Option<PathBuf>,
 }
 
-/// Value of a flag, with its name and its help.
-type Choice<T> = (T, &'static str, &'static str);
+/// Value of a flag, with its help.
+type Choice<T> = (T, &'static str);
 
 /// Choices for `--fidelity`.
 const FIDELITIES: [Choice<Fidelity>; 3] = [
-    (Fidelity::Steady, "steady", "Equilibrium with every contact block sliding"),
-    (Fidelity::Dynamic, "dynamic", "Time integration by the fastest scheme whose error is measured"),
-    (Fidelity::Reference, "reference", "Exactly the published scheme"),
+    (Fidelity::Steady, "Equilibrium with every contact block sliding"),
+    (Fidelity::Dynamic, "Time integration by the fastest scheme whose error is measured"),
+    (Fidelity::Reference, "Exactly the published scheme"),
 ];
 /// Choices for `--extent`.
 const EXTENTS: [Choice<Extent>; 3] = [
-    (Extent::Cell, "cell", "One period with periodic sides"),
-    (Extent::Sample, "sample", "The whole specimen with free sides"),
-    (Extent::Strip, "strip", "A strip of the specimen in space, one period wide, with two ends"),
+    (Extent::Cell, "One period with periodic sides"),
+    (Extent::Sample, "The whole specimen with free sides"),
+    (Extent::Strip, "A strip of the specimen in space, one period wide, with two ends"),
 ];
 
-/// Parser of the values in `choices` by their names.
+/// Parser of the values in `choices` by their `name`.
 fn named<T: Copy + Send + Sync + 'static, const COUNT: usize>(
     choices: [Choice<T>; COUNT],
+    name: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T> {
-    let known = choices.map(|(_, name, help)| PossibleValue::new(name).help(help));
-    let value = move |given: String| choices.into_iter().find(|(_, name, _)| *name == given).map(|(value, ..)| value);
+    let known = choices.map(|(value, help)| PossibleValue::new(name(value)).help(help));
+    let value = move |given: String| choices.into_iter().map(|(value, _)| value).find(|value| name(*value) == given);
     PossibleValuesParser::new(known).try_map(move |given| value(given).ok_or("an unknown name"))
 }
 

@@ -274,7 +274,7 @@ fn names_in_a_folder_lead_nowhere_else_and_shift_no_columns() {
 
 #[test]
 fn a_folder_with_a_line_break_in_its_name_has_no_script() {
-    for engine in Engine::EACH {
+    for engine in Engine::ALL {
         let of = |folder: &str| engine.script(Path::new(folder), 2, 1, None);
         assert!(of("/a b/it's").unwrap().contains("campaign work '/a b/it'\\''s' --share"));
         let refused = of("/a\n#SBATCH --wrap=x\n/b").unwrap_err().to_string();

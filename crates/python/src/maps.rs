@@ -37,8 +37,7 @@ pub struct Map {
 
 fn preparation(form: &str, missing: &str, despike: bool) -> PyResult<Preparation> {
     let form = named("form", form, &Form::ALL, Form::name)?;
-    let ways = [Missing::Fill, Missing::Refuse];
-    let missing = named("missing", missing, &ways, |way| if way == Missing::Fill { "fill" } else { "refuse" })?;
+    let missing = named("missing", missing, &Missing::ALL, Missing::name)?;
     Ok(Preparation { form, missing, despike })
 }
 
@@ -125,10 +124,8 @@ impl Map {
             let reason = "pixel_y_um is given without pixel_um: expected both, or pixel_um alone";
             return Err(PyValueError::new_err(reason).into());
         }
-        let ways = [DecimationMethod::Mean, DecimationMethod::Pick];
-        let way = |way| if way == DecimationMethod::Mean { "mean" } else { "pick" };
-        let decimation =
-            |factor| Ok::<_, PyErr>(Decimation { factor, method: named("decimate_by", decimate_by, &ways, way)? });
+        let method = || named("decimate_by", decimate_by, &DecimationMethod::ALL, DecimationMethod::name);
+        let decimation = |factor| Ok::<_, PyErr>(Decimation { factor, method: method()? });
         let options = ReadOptions {
             pixel_m: x_m.map(|x_m| [x_m, y_m.unwrap_or(x_m)]),
             height_unit: unit(height_unit)?,

@@ -87,9 +87,8 @@ pub struct MergeArgs {
 }
 
 fn engines() -> impl TypedValueParser<Value = Engine> {
-    let named = |name: String| Engine::EACH.into_iter().find(|engine| engine.name() == name);
-    PossibleValuesParser::new(Engine::EACH.map(Engine::name))
-        .try_map(move |name| named(name).ok_or("an unknown engine"))
+    let named = |name: String| Engine::ALL.into_iter().find(|engine| engine.name() == name);
+    PossibleValuesParser::new(Engine::ALL.map(Engine::name)).try_map(move |name| named(name).ok_or("an unknown engine"))
 }
 
 fn parse_share(text: &str) -> Result<Share, String> {

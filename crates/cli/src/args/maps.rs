@@ -10,30 +10,30 @@ use super::{Choice, named};
 
 /// Choices for the height of a pixel that replaces a block of pixels.
 const JOINED: [Choice<DecimationMethod>; 2] = [
-    (DecimationMethod::Mean, "mean", "The mean of the block's heights"),
-    (DecimationMethod::Pick, "pick", "The first height of the block"),
+    (DecimationMethod::Mean, "The mean of the block's heights"),
+    (DecimationMethod::Pick, "The first height of the block"),
 ];
 /// Choices for the treatment of missing points.
 const MISSING: [Choice<Missing>; 2] =
-    [(Missing::Fill, "fill", "Replace them by the smoothest surface"), (Missing::Refuse, "refuse", "Refuse the map")];
+    [(Missing::Fill, "Replace them by the smoothest surface"), (Missing::Refuse, "Refuse the map")];
 /// Choices for the form to subtract from a map.
 const FORMS: [Choice<Form>; 3] = [
-    (Form::Mean, "mean", "The mean height"),
-    (Form::Plane, "plane", "The plane"),
-    (Form::SecondOrder, "second-order", "The second-order polynomial in x and y"),
+    (Form::Mean, "The mean height"),
+    (Form::Plane, "The plane"),
+    (Form::SecondOrder, "The second-order polynomial in x and y"),
 ];
 /// Choices for the shape of synthetic cavities.
 const SHAPES: [Choice<CutShape>; 3] = [
-    (CutShape::Groove, "groove", "Across the sliding direction, through the whole map"),
-    (CutShape::Square, "square", "Squares, repeated in both directions"),
-    (CutShape::Disc, "disc", "Discs, repeated in both directions"),
+    (CutShape::Groove, "Across the sliding direction, through the whole map"),
+    (CutShape::Square, "Squares, repeated in both directions"),
+    (CutShape::Disc, "Discs, repeated in both directions"),
 ];
 /// Choices for the profile of synthetic rims.
 const PROFILES: [Choice<RimProfile>; 4] = [
-    (RimProfile::Round, "round", "Parabola, 1 - s^2 at the fraction s of the width"),
-    (RimProfile::Flat, "flat", "Constant height"),
-    (RimProfile::Ramp, "ramp", "Straight line, 1 - s"),
-    (RimProfile::HalfSine, "half-sine", "Arch, sin(pi s)"),
+    (RimProfile::Round, "Parabola, 1 - s^2 at the fraction s of the width"),
+    (RimProfile::Flat, "Constant height"),
+    (RimProfile::Ramp, "Straight line, 1 - s"),
+    (RimProfile::HalfSine, "Arch, sin(pi s)"),
 ];
 
 /// Options for reading an altitude map.
@@ -62,17 +62,17 @@ pub struct MapArgs {
     #[arg(long, value_name = "N")]
     pub decimate: Option<NonZeroUsize>,
     /// Height of the joined pixel
-    #[arg(long, value_parser = named(JOINED), default_value = "mean", requires = "decimate", value_name = "HOW")]
+    #[arg(long, value_parser = named(JOINED, DecimationMethod::name), default_value = "mean", requires = "decimate", value_name = "HOW")]
     pub decimate_by: DecimationMethod,
     /// Treatment of missing points
-    #[arg(long, value_parser = named(MISSING), default_value = "fill", value_name = "WHAT")]
+    #[arg(long, value_parser = named(MISSING, Missing::name), default_value = "fill", value_name = "WHAT")]
     pub missing: Missing,
     /// Replace spikes, single points or clusters of up to twelve that stand far beyond all points around them, by the
     /// median of the points about them
     #[arg(long)]
     pub despike: bool,
     /// Least-squares form to subtract; from a map of exactly one period only the mean is subtracted
-    #[arg(long, value_parser = named(FORMS), default_value = "plane", value_name = "FORM")]
+    #[arg(long, value_parser = named(FORMS, Form::name), default_value = "plane", value_name = "FORM")]
     pub form: Form,
 }
 
@@ -157,7 +157,7 @@ pub struct SynthesizeArgs {
     #[arg(long, value_name = "UM,UM,UM", value_parser = parse_three)]
     pub cavities: Option<[f64; 3]>,
     /// Shape of the cavities seen from above
-    #[arg(long, value_parser = named(SHAPES), default_value = "groove", requires = "cavities", value_name = "SHAPE")]
+    #[arg(long, value_parser = named(SHAPES, CutShape::name), default_value = "groove", requires = "cavities", value_name = "SHAPE")]
     pub cavity_shape: CutShape,
     /// Horizontal extent of the cavities' walls, which are inclined by atan(depth/extent); less than a pixel counts as
     /// a pixel
@@ -167,7 +167,7 @@ pub struct SynthesizeArgs {
     #[arg(long, requires = "cavities", value_name = "UM,UM", value_parser = parse_two)]
     pub rims: Option<[f64; 2]>,
     /// Profile of rims from the edge outward
-    #[arg(long, value_parser = named(PROFILES), default_value = "round", requires = "rims", value_name = "PROFILE")]
+    #[arg(long, value_parser = named(PROFILES, RimProfile::name), default_value = "round", requires = "rims", value_name = "PROFILE")]
     pub rim_profile: RimProfile,
     /// Standard deviation of the rims' heights from cavity to cavity
     #[arg(long, default_value_t = 0.0, requires = "rims", value_name = "UM")]

@@ -38,19 +38,16 @@ pub enum ConstraintQuantity {
     LeastPressure,
 }
 
-impl ConstraintQuantity {
-    /// Name, in words.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::PeakPressure => "peak pressure",
-            Self::BearingArea => "bearing area",
-            Self::ArealDensity => "share of the face that is cavity",
-            Self::LaserTime => "time under the laser",
-            Self::Clearance => "clearance under the ceiling",
-            Self::LeastPressure => "least local pressure over the nominal one",
-        }
-    }
+slipgrid_base::names!(ConstraintQuantity {
+    PeakPressure = "peak pressure",
+    BearingArea = "bearing area",
+    ArealDensity = "share of the face that is cavity",
+    LaserTime = "time under the laser",
+    Clearance = "clearance under the ceiling",
+    LeastPressure = "least local pressure over the nominal one",
+});
 
+impl ConstraintQuantity {
     /// Unit in messages, empty for a number without one, with its value in SI units.
     pub const fn unit(self) -> (&'static str, f64) {
         match self {

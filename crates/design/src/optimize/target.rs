@@ -17,15 +17,7 @@ pub enum Quantity {
     DynamicFriction,
 }
 
-impl Quantity {
-    /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Ratio => "ratio",
-            Self::DynamicFriction => "mu_dynamic",
-        }
-    }
-}
+slipgrid_base::names!(Quantity { Ratio = "ratio", DynamicFriction = "mu_dynamic" });
 
 /// Target value at one nominal pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,19 +132,7 @@ pub enum Goal {
     Even,
 }
 
-impl Goal {
-    /// All goals.
-    pub const ALL: [Self; 3] = [Self::Lowest, Self::Highest, Self::Even];
-
-    /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Lowest => "lowest",
-            Self::Highest => "highest",
-            Self::Even => "even",
-        }
-    }
-}
+slipgrid_base::names!(Goal { Lowest = "lowest", Highest = "highest", Even = "even" });
 
 /// Target: demands on friction and an optional goal.
 #[derive(Clone, Debug, PartialEq)]

@@ -35,17 +35,7 @@ pub enum AreaLawOrigin {
     Measured,
 }
 
-impl AreaLawOrigin {
-    /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Map => "map",
-            Self::Persson => "persson",
-            Self::Fit => "fit",
-            Self::Measured => "measured",
-        }
-    }
-}
+slipgrid_base::names!(AreaLawOrigin { Map = "map", Persson = "persson", Fit = "fit", Measured = "measured" });
 
 /// Surface of a calibration and the area law computed from it.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -13,18 +13,9 @@ pub enum Engine {
     HyperQueue,
 }
 
+slipgrid_base::names!(Engine { Slurm = "slurm", HyperQueue = "hyperqueue" });
+
 impl Engine {
-    /// All supported schedulers.
-    pub const EACH: [Self; 2] = [Self::Slurm, Self::HyperQueue];
-
-    /// Name of the scheduler, which is also the stem of the script's file name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Slurm => "slurm",
-            Self::HyperQueue => "hyperqueue",
-        }
-    }
-
     /// Job script that runs `workers` workers with `threads` threads each on the campaign in `folder`. Slurm runs at
     /// most `at_once` workers at a time if given; HyperQueue ignores `at_once`. The program is `slipgrid`, or the one
     /// named by the environment variable SLIPGRID.

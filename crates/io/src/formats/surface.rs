@@ -229,16 +229,13 @@ fn crop(document: &Document, crop: &Spanned<Vec<usize>>) -> Result<Crop, Diagnos
 }
 
 fn decimation(document: &Document, file: &SurfaceFile) -> Result<Option<Decimation>, Diagnostic> {
-    let all = [("mean", DecimationMethod::Mean), ("pick", DecimationMethod::Pick)];
-    let method = file.decimate_by.as_ref().map(|name| document.choice(name, &all, |(name, _)| name)).transpose()?;
+    let choice = |name| document.choice(name, &DecimationMethod::ALL, DecimationMethod::name);
+    let method = file.decimate_by.as_ref().map(choice).transpose()?;
     match (&file.decimate, &file.decimate_by) {
         (Some(factor), _) if *factor.get_ref() == 0 => {
             Err(document.refuse(factor.span(), "is out of range").expected("a whole number from 1 up"))
         }
-        (Some(factor), _) => {
-            let method = method.map_or_else(DecimationMethod::default, |(_, method)| method);
-            Ok(Some(Decimation { factor: *factor.get_ref(), method }))
-        }
+        (Some(factor), _) => Ok(Some(Decimation { factor: *factor.get_ref(), method: method.unwrap_or_default() })),
         (None, Some(name)) => Err(document.refuse(name.span(), "stands alone").expected("`decimate` beside it")),
         (None, None) => Ok(None),
     }

@@ -42,8 +42,7 @@ const MARGIN: f64 = 0.01;
 /// [`Diagnostic`] if numbers are out of range, lists differ in length, or keys contradict each other.
 pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Target, Diagnostic> {
     let target = file.get_ref();
-    let all = [Quantity::Ratio, Quantity::DynamicFriction];
-    let quantity = document.choice(&target.quantity, &all, Quantity::name)?;
+    let quantity = document.choice(&target.quantity, &Quantity::ALL, Quantity::name)?;
     let pressures_pa = distinct_pressures(document, &target.pressure_mpa, PRESSURE_MPA, MAX_TARGET_PRESSURES)?;
     let range = match quantity {
         Quantity::Ratio => RATIO,

@@ -29,18 +29,7 @@ pub enum SurfaceKind {
     Patterned,
 }
 
-impl SurfaceKind {
-    /// All kinds of surface.
-    pub const ALL: [Self; 2] = [Self::Flat, Self::Patterned];
-
-    /// Name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Flat => "flat",
-            Self::Patterned => "patterned",
-        }
-    }
-}
+slipgrid_base::names!(SurfaceKind { Flat = "flat", Patterned = "patterned" });
 
 /// Trial of a calibration to which traces belong.
 #[derive(Clone, Debug, PartialEq, Eq)]

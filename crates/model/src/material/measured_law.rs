@@ -18,7 +18,7 @@ pub enum Extrapolation {
     Logarithmic,
 }
 
-names!(Extrapolation { Constant = "constant", Logarithmic = "logarithmic" });
+slipgrid_base::names!(Extrapolation { Constant = "constant", Logarithmic = "logarithmic" });
 
 /// Maximum tabulated local pressure, in pascals; no polymer carries a higher pressure.
 const MAX_PRESSURE_PA: f64 = 1e9;

@@ -17,7 +17,7 @@ pub enum Planform {
     Crosshatch,
 }
 
-names!(Planform {
+slipgrid_base::names!(Planform {
     Groove = "groove",
     Square = "square",
     Rectangle = "rectangle",
@@ -73,7 +73,7 @@ pub enum Arrangement {
     Hexagonal,
 }
 
-names!(Arrangement { Square = "square", Staggered = "staggered", Hexagonal = "hexagonal" });
+slipgrid_base::names!(Arrangement { Square = "square", Staggered = "staggered", Hexagonal = "hexagonal" });
 
 impl Arrangement {
     /// Whether every second row is shifted along x by half a pitch.

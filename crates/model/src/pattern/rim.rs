@@ -31,7 +31,7 @@ pub enum RimProfile {
     HalfSine,
 }
 
-names!(RimProfile { Round = "round", Flat = "flat", Ramp = "ramp", HalfSine = "half-sine" });
+slipgrid_base::names!(RimProfile { Round = "round", Flat = "flat", Ramp = "ramp", HalfSine = "half-sine" });
 
 impl RimProfile {
     /// Profiles allowed in pattern files, in the order in which help texts list them.

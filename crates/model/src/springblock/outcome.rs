@@ -35,24 +35,21 @@ pub enum Status {
     Diverged,
 }
 
-impl Status {
-    /// Name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::NotConverged => "not_converged",
-            Self::NoOnset => "no_onset",
-            Self::NoLoad => "no_load",
-            Self::NoFriction => "no_friction",
-            Self::TooManySteps => "too_many_steps",
-            Self::ShortWindow => "short_window",
-            Self::SlidingWaves => "sliding_waves",
-            Self::StderrNotReached => "stderr_not_reached",
-            Self::Diverged => "diverged",
-            Self::Cancelled => "cancelled",
-        }
-    }
+slipgrid_base::names!(Status {
+    Converged = "converged",
+    NotConverged = "not_converged",
+    NoOnset = "no_onset",
+    NoLoad = "no_load",
+    NoFriction = "no_friction",
+    TooManySteps = "too_many_steps",
+    ShortWindow = "short_window",
+    SlidingWaves = "sliding_waves",
+    StderrNotReached = "stderr_not_reached",
+    Diverged = "diverged",
+    Cancelled = "cancelled",
+});
 
+impl Status {
     /// Whether a dynamic run reached its end, so that another would end in the same way.
     pub(crate) const fn is_final(self) -> bool {
         use Status::{Converged, NoFriction, NoOnset, ShortWindow, SlidingWaves, StderrNotReached};
@@ -246,20 +243,15 @@ pub enum Effect {
     Blocks,
 }
 
-impl Effect {
-    /// Name used in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::WholeBlocks => "whole blocks",
-            Self::Rims => "rims",
-            Self::Layout => "layout on the specimen",
-            Self::Time => "sliding in time",
-            Self::Behind => "specimen behind the layer",
-            Self::Tilt => "tilt of the pressure",
-            Self::Blocks => "size of blocks",
-        }
-    }
-}
+slipgrid_base::names!(Effect {
+    WholeBlocks = "whole blocks",
+    Rims = "rims",
+    Layout = "layout on the specimen",
+    Time = "sliding in time",
+    Behind = "specimen behind the layer",
+    Tilt = "tilt of the pressure",
+    Blocks = "size of blocks",
+});
 
 /// Change of a ratio by an effect that the solved blocks leave out, included in the ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -20,7 +20,7 @@ pub enum Fidelity {
     Reference,
 }
 
-names!(Fidelity { Steady = "steady", Dynamic = "dynamic", Reference = "reference" });
+slipgrid_base::names!(Fidelity { Steady = "steady", Dynamic = "dynamic", Reference = "reference" });
 
 /// Part of the specimen that is modelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -35,7 +35,7 @@ pub enum Extent {
     Strip,
 }
 
-names!(Extent { Cell = "cell", Sample = "sample", Strip = "strip" });
+slipgrid_base::names!(Extent { Cell = "cell", Sample = "sample", Strip = "strip" });
 
 impl Extent {
     /// Whether the model has ends.
@@ -54,7 +54,7 @@ pub enum Springs {
     Exact,
 }
 
-names!(Springs { Linear = "linear", Exact = "exact" });
+slipgrid_base::names!(Springs { Linear = "linear", Exact = "exact" });
 
 /// Options that control how a scene is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

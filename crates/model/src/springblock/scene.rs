@@ -16,7 +16,7 @@ pub enum Holder {
     SelfAligning,
 }
 
-names!(Holder { Rigid = "rigid", SelfAligning = "self-aligning" });
+slipgrid_base::names!(Holder { Rigid = "rigid", SelfAligning = "self-aligning" });
 
 /// Modelled layer of the specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]

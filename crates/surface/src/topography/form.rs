@@ -18,19 +18,9 @@ pub enum Form {
     SecondOrder,
 }
 
+slipgrid_base::names!(Form { Mean = "mean", Plane = "plane", SecondOrder = "second-order" });
+
 impl Form {
-    /// All forms.
-    pub const ALL: [Self; 3] = [Self::Mean, Self::Plane, Self::SecondOrder];
-
-    /// The name used in options.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Mean => "mean",
-            Self::Plane => "plane",
-            Self::SecondOrder => "second-order",
-        }
-    }
-
     /// Number of terms of the form, which are the first ones of [`terms`].
     const fn count(self) -> usize {
         match self {

@@ -23,6 +23,8 @@ pub enum Missing {
     Refuse,
 }
 
+slipgrid_base::names!(Missing { Fill = "fill", Refuse = "refuse" });
+
 /// Options for preparing a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Preparation {

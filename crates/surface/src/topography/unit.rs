@@ -1,4 +1,3 @@
-use std::fmt;
 use std::str::FromStr;
 
 /// A unit of length, as named in files.
@@ -26,36 +25,27 @@ macro_rules! unit_names {
 }
 pub(crate) use unit_names;
 
-/// Name in files, and number in a metre, of every unit in the order of [`LengthUnit`].
-const UNITS: [(&str, f64); 6] = [("m", 1.0), ("cm", 1e2), ("mm", 1e3), ("um", 1e6), ("nm", 1e9), ("pm", 1e12)];
+slipgrid_base::names!(LengthUnit {
+    Metre = "m",
+    Centimetre = "cm",
+    Millimetre = "mm",
+    Micrometre = "um",
+    Nanometre = "nm",
+    Picometre = "pm",
+});
 
 impl LengthUnit {
     /// Accepted names of units, for messages.
     pub const NAMES: &'static str = unit_names!();
 
-    /// All units, largest first.
-    pub const ALL: [Self; 6] =
-        [Self::Metre, Self::Centimetre, Self::Millimetre, Self::Micrometre, Self::Nanometre, Self::Picometre];
-
-    /// The name used in files.
-    pub const fn name(self) -> &'static str {
-        UNITS[self as usize].0
-    }
-
     /// Number of these units in a metre: a power of ten and therefore exact.
     pub const fn per_metre(self) -> f64 {
-        UNITS[self as usize].1
+        [1.0, 1e2, 1e3, 1e6, 1e9, 1e12][self as usize]
     }
 
     /// Converts `value` from this unit to metres, correctly rounded.
     pub fn to_metres(self, value: f64) -> f64 {
         value / self.per_metre()
-    }
-}
-
-impl fmt::Display for LengthUnit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

@@ -97,15 +97,7 @@ pub enum Size {
     Full,
 }
 
-impl Size {
-    /// Name in results.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Quick => "quick",
-            Self::Full => "full",
-        }
-    }
-}
+slipgrid_base::names!(Size { Quick = "quick", Full = "full" });
 
 /// Time step near the stability limit, relative to the limit.
 const NEAR_LIMIT: f64 = 0.97;

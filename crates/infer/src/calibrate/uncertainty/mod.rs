@@ -103,15 +103,10 @@ pub enum Source {
     Discrepancy,
 }
 
-impl Source {
-    /// Name of the source in reports.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::FlatFriction => "flat friction",
-            Self::Modulus => "Young's modulus",
-            Self::FittedScale => "scale of the area law",
-            Self::AreaLaw => "area law",
-            Self::Discrepancy => "discrepancy",
-        }
-    }
-}
+slipgrid_base::names!(Source {
+    FlatFriction = "flat friction",
+    Modulus = "Young's modulus",
+    FittedScale = "scale of the area law",
+    AreaLaw = "area law",
+    Discrepancy = "discrepancy",
+});

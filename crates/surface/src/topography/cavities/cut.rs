@@ -20,6 +20,8 @@ pub enum CutShape {
     Disc,
 }
 
+slipgrid_base::names!(CutShape { Groove = "groove", Square = "square", Disc = "disc" });
+
 /// Rim on the land around every cavity, outward from the upper end of the wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutRim {

@@ -93,23 +93,15 @@ pub enum MapFormat {
     X3p,
 }
 
-impl MapFormat {
-    /// All formats.
-    pub const ALL: [Self; 7] = [Self::Matrix, Self::Xyz, Self::Gsf, Self::Npy, Self::Sdf, Self::Sur, Self::X3p];
-
-    /// Name used in messages.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Matrix => "matrix",
-            Self::Xyz => "xyz",
-            Self::Gsf => "Gwyddion simple field (.gsf)",
-            Self::Npy => "NumPy array (.npy)",
-            Self::Sdf => "surface data file (.sdf)",
-            Self::Sur => "Digital Surf surface (.sur)",
-            Self::X3p => "XML 3-D surface (.x3p)",
-        }
-    }
-}
+slipgrid_base::names!(MapFormat {
+    Matrix = "matrix",
+    Xyz = "xyz",
+    Gsf = "Gwyddion simple field (.gsf)",
+    Npy = "NumPy array (.npy)",
+    Sdf = "surface data file (.sdf)",
+    Sur = "Digital Surf surface (.sur)",
+    X3p = "XML 3-D surface (.x3p)",
+});
 
 /// Options for reading a map file; values given here take precedence over the header of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -33,6 +33,8 @@ pub enum DecimationMethod {
     Pick,
 }
 
+slipgrid_base::names!(DecimationMethod { Mean = "mean", Pick = "pick" });
+
 /// Reduces blocks of `factor` x `factor` pixels to one pixel. Rows and columns left over at the end are dropped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Decimation {
