@@ -7,8 +7,8 @@ use slipgrid_model::springblock::{Extent, Fidelity, RunOptions, Scene, Simulatio
 
 use super::laws::ScaledLaw;
 use super::laws::ScaledLaws;
-use super::model::{FlatPoint, knowledge, scene, squares};
-use super::ratios::{ModelledRatio, RatioReport};
+use super::model::{knowledge, scene, squares};
+use super::ratios::{ModelledRatio, Pair, RatioReport};
 use super::report::{TimeReport, ValidationReport};
 use super::tables::solutions;
 use super::{ValidationTask, page, rims};
@@ -32,8 +32,8 @@ pub struct Figures<'a> {
     pub task: &'a ValidationTask<'a>,
     pub surface: &'a ScaledLaws,
     pub report: &'a ValidationReport,
-    /// Measurement of the flat sample at the highest compared load.
-    pub heaviest: FlatPoint,
+    /// Measurements at the highest compared load.
+    pub heaviest: Pair,
 }
 
 impl Figures<'_> {
@@ -173,7 +173,7 @@ impl Figures<'_> {
         let title = format!(
             "Friction in time, from rest: {} MPa, {} mm/s",
             self.load_mpa(),
-            SPEED_MM_S.from_si(self.heaviest.speed_m_s)
+            SPEED_MM_S.from_si(self.heaviest.flat.speed_m_s)
         );
         outputs.add("friction.svg", friction_trace(&title, &traces, "mean over the window")?);
         Ok(())

@@ -4,7 +4,7 @@
 use slipgrid_model::material::{AreaLaw, Extrapolation};
 use slipgrid_model::pattern::Pattern;
 
-use super::model::{Body, Case, FlatPoint, predict};
+use super::model::{Body, Case, predict};
 use super::ratios::{MeasuredLawRatio, Pair};
 use crate::Failure;
 use slipgrid_base::monitor::{Monitor, Stage};
@@ -34,9 +34,9 @@ pub fn ratios(
         let own: Vec<usize>;
         (own, rest) = rest.into_iter().partition(|&other| pairs[other].flat.has_condition_of(flat));
         let laws = laws(calibration, flat);
-        let points: Vec<FlatPoint> = own.iter().map(|&row| pairs[row].point).collect();
+        let alike: Vec<Pair> = own.iter().map(|&row| pairs[row]).collect();
         let cases: Vec<Case<'_>> = laws.iter().map(|(_, law)| Case { pattern, law: Some(law) }).collect();
-        for ((extrapolation, _), predicted) in laws.iter().zip(predict(body, &cases, &points, &progress)?) {
+        for ((extrapolation, _), predicted) in laws.iter().zip(predict(body, &cases, &alike, &progress)?) {
             for (&row, prediction) in own.iter().zip(predicted) {
                 found[row].push(MeasuredLawRatio {
                     extrapolation: extrapolation.name(),

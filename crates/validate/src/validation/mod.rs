@@ -33,7 +33,7 @@ use slipgrid_report::Outputs;
 use crate::Failure;
 use figures::Figures;
 use laws::{ScaledLaw, ScaledLaws, scaled_laws};
-use model::{Body, Case, FlatPoint, predict, squares};
+use model::{Body, Case, predict, squares};
 use ratios::{MeasuredLawRatio, MeasuredReport, ModelledRatio, Pair, RatioReport, pairs};
 use summary::Summary;
 
@@ -156,13 +156,13 @@ pub fn validate(
     let mut outputs = Outputs::default();
     if task.figures {
         let alike = pairs.iter().filter(|pair| pair.flat.has_condition_of(&pairs[0].flat));
-        let points: Vec<FlatPoint> = alike.map(|pair| pair.point).collect();
+        let alike: Vec<Pair> = alike.copied().collect();
         // Rims are tabulated only if the samples may have square cavities.
         if let Some(law) = surface.given().filter(|_| report.has_squares()) {
             let groove = &task.patterns.measured;
-            report.rims = Some(rims::rims(task.body(), law, groove, &points, &report.at_first_condition(), monitor)?);
+            report.rims = Some(rims::rims(task.body(), law, groove, &alike, monitor)?);
         }
-        let heaviest = points.into_iter().max_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
+        let heaviest = alike.into_iter().max_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
         if let Some(heaviest) = heaviest {
             let figures = Figures { task, surface: &surface, report: &report, heaviest };
             report.in_time = figures.draw(&mut outputs, monitor)?;
@@ -201,7 +201,6 @@ fn compare(
     monitor: &dyn Monitor,
 ) -> Result<ValidationReport, Failure> {
     let (calibration, patterns) = (task.calibration, &task.patterns);
-    let points: Vec<FlatPoint> = pairs.iter().map(|pair| pair.point).collect();
     // Cases: every slope factor, then Amontons-Coulomb friction, then the surface as given at the measured depth.
     let proportional = ScaledLaw::without_surface(None);
     let given = surface.laws.iter().find(|law| law.slope_factor == 1.0);
@@ -212,7 +211,7 @@ fn compare(
 
     let progress = Stage::new(monitor, "patterns", None);
     let body = task.body();
-    let predicted = predict(body, &cases, &points, &progress);
+    let predicted = predict(body, &cases, pairs, &progress);
     progress.finish();
     monitor.heed()?;
     let predicted = predicted?;

@@ -8,22 +8,10 @@ use slipgrid_model::material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_model::pattern::{Pattern, Planform};
 use slipgrid_model::springblock::{CellOutcome, Layer, Load, Monitor, RunOptions, Scene, SteadyCell};
 
+use super::ratios::Pair;
 use crate::Failure;
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::scene::DEFAULT_THICKNESS_M;
-
-/// Flat measurement as input of the model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FlatPoint {
-    /// Nominal pressure, in pascals.
-    pub pressure_pa: f64,
-    /// Sliding speed, in m/s.
-    pub speed_m_s: f64,
-    /// Dynamic friction coefficient of the flat sample.
-    pub mu_flat: f64,
-    /// Standard deviation of `mu_flat`.
-    pub mu_flat_std: f64,
-}
 
 /// Specimen of a calibration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,12 +33,12 @@ impl Body<'_> {
     }
 }
 
-/// Uncertainty of flat friction at `points` and, with a `law`, of Young's modulus.
-pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, points: &[FlatPoint]) -> InputUncertainty {
+/// Uncertainty of flat friction of `pairs` and, with a `law`, of Young's modulus.
+pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, pairs: &[Pair]) -> InputUncertainty {
     let std = modulus_relative_std.filter(|std| law.is_some() && *std > 0.0);
     InputUncertainty {
-        flat_friction: Some(points.iter().map(|point| (point.mu_flat_std / point.mu_flat).powi(2)).collect()),
-        scale: std.map(|std| ScaleError::of_modulus(std, points.len())),
+        flat_friction: Some(pairs.iter().map(|of| (of.flat.mu_dynamic_std / of.flat.mu_dynamic).powi(2)).collect()),
+        scale: std.map(|std| ScaleError::of_modulus(std, pairs.len())),
         ..InputUncertainty::default()
     }
 }
@@ -83,14 +71,15 @@ pub struct ModelledRatios {
     pub errors: [Option<Deviations>; 2],
 }
 
-/// Solves every case at every point, cases in parallel. Returns one list per case, with one prediction per point.
+/// Solves every case for the flat measurements of all `pairs`, cases in parallel. Returns one list per case, with one
+/// prediction per pair.
 ///
 /// # Errors
 /// [`Failure`] if the numbers make no valid scene.
 pub fn predict(
     body: Body<'_>,
     cases: &[Case<'_>],
-    points: &[FlatPoint],
+    pairs: &[Pair],
     progress: &dyn Monitor,
 ) -> Result<Vec<Vec<ModelledRatios>>, Failure> {
     let share = 1.0 / cases.len() as f64;
@@ -98,25 +87,25 @@ pub fn predict(
         .par_iter()
         .map(|case| {
             progress.heed()?;
-            let predicted = solve(body, case, points);
+            let predicted = solve(body, case, pairs);
             progress.advance(share);
             predicted
         })
         .collect()
 }
 
-/// Scene of steady sliding of `pattern` with the area law `law` at every point.
+/// Scene of steady sliding of `pattern` with the area law `law` at the pressures of `pairs`.
 ///
 /// # Errors
 /// [`Failure`] if the numbers make no valid scene.
-pub fn scene(body: Body<'_>, law: Option<&AreaLaw>, pattern: Pattern, points: &[FlatPoint]) -> Result<Scene, Failure> {
-    let loads = points
+pub fn scene(body: Body<'_>, law: Option<&AreaLaw>, pattern: Pattern, pairs: &[Pair]) -> Result<Scene, Failure> {
+    let loads = pairs
         .iter()
-        .map(|point| {
-            let [_, dynamic_mean] = coefficients(law, point);
+        .map(|pair| {
+            let [_, dynamic_mean] = coefficients(law, pair);
             // Steady sliding does not depend on the static coefficient, and a cell uses the mean.
             let friction = LocalFriction::new(dynamic_mean, dynamic_mean, 0.0).map_err(|error| body.refuse(&error))?;
-            Ok(Load { pressure_pa: point.pressure_pa, friction })
+            Ok(Load { pressure_pa: pair.pressure_pa, friction })
         })
         .collect::<Result<Vec<_>, Failure>>()?;
     let scene = Scene {
@@ -127,22 +116,22 @@ pub fn scene(body: Body<'_>, law: Option<&AreaLaw>, pattern: Pattern, points: &[
         layer: body.layer,
         loads,
         // Steady sliding does not depend on the speed.
-        speed_m_s: points.first().map_or(0.0, |point| point.speed_m_s),
+        speed_m_s: pairs.first().map_or(0.0, |pair| pair.flat.speed_m_s),
         run: RunOptions::default(),
     };
     scene.validate().map_err(|error| body.refuse(&error))?;
     Ok(scene)
 }
 
-/// Area factor f and local dynamic coefficient mu_d at `point`, so that a flat cell slides at mu_flat = mu_d f(P).
-fn coefficients(law: Option<&AreaLaw>, point: &FlatPoint) -> [f64; 2] {
-    let area_law_factor = law.map_or(1.0, |law| law.factor(point.pressure_pa));
-    [area_law_factor, point.mu_flat / area_law_factor]
+/// Area factor f and local dynamic coefficient mu_d of `pair`, so that a flat cell slides at mu_flat = mu_d f(P).
+fn coefficients(law: Option<&AreaLaw>, pair: &Pair) -> [f64; 2] {
+    let area_law_factor = law.map_or(1.0, |law| law.factor(pair.pressure_pa));
+    [area_law_factor, pair.flat.mu_dynamic / area_law_factor]
 }
 
-fn solve(body: Body<'_>, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<ModelledRatios>, Failure> {
-    let coefficients: Vec<[f64; 2]> = points.iter().map(|point| coefficients(case.law, point)).collect();
-    let scene = scene(body, case.law, case.pattern, points)?;
+fn solve(body: Body<'_>, case: &Case<'_>, pairs: &[Pair]) -> Result<Vec<ModelledRatios>, Failure> {
+    let coefficients: Vec<[f64; 2]> = pairs.iter().map(|pair| coefficients(case.law, pair)).collect();
+    let scene = scene(body, case.law, case.pattern, pairs)?;
     let in_space = Scene { pattern: Some(squares(&case.pattern)), ..scene.clone() };
     let solved = |layer: Layer| {
         let of = |pattern: Pattern| {
@@ -154,13 +143,14 @@ fn solve(body: Body<'_>, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Mo
     // A layer without thickness neglects the body behind the layer.
     let is_layer = scene.layer.thickness_m.is_none();
     let thick = is_layer.then(|| solved(Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..scene.layer }));
-    let known = knowledge(body.modulus_relative_std, case.law, points);
+    let known = knowledge(body.modulus_relative_std, case.law, pairs);
     let slopes = [&scene, &in_space].map(|scene| Slopes::new(scene, &known));
     let predictions = grooves.into_iter().zip(squares).zip(coefficients).enumerate();
     Ok(predictions
         .map(|(place, ((outcome, squares), [area_law_factor, dynamic_mean]))| {
-            let error =
-                |slopes: &Slopes, ratio: Option<f64>| slopes.deviations(place, ratio?, points[place].mu_flat, &known);
+            let error = |slopes: &Slopes, ratio: Option<f64>| {
+                slopes.deviations(place, ratio?, pairs[place].flat.mu_dynamic, &known)
+            };
             let errors = [error(&slopes[0], outcome.ratio), error(&slopes[1], squares.ratio)];
             let beyond = |thick: &[CellOutcome], own: &CellOutcome| Some(thick[place].ratio? - own.ratio?);
             let thick = match &thick {
@@ -181,17 +171,18 @@ pub fn squares(pattern: &Pattern) -> Pattern {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_infer::calibrate::Measurement;
 
     /// Short layer, so that the test takes milliseconds.
     const LAYER: Layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None, holder: None };
 
     fn predicted(law: Option<&AreaLaw>, depth_m: f64) -> Vec<ModelledRatios> {
         let pattern = Pattern::new(Planform::Groove, 60e-6, 140e-6, depth_m).unwrap();
-        let points = [(0.3e6, 0.25), (2.6e6, 0.278)].map(|(pressure_pa, mu_flat)| FlatPoint {
-            pressure_pa,
-            speed_m_s: 2e-3,
-            mu_flat,
-            mu_flat_std: 0.01 * mu_flat,
+        let points = [(0.3e6, 0.25), (2.6e6, 0.278)].map(|(pressure_pa, mu_dynamic)| {
+            let mu_dynamic_std = 0.01 * mu_dynamic;
+            let (force_n, speed_m_s, humidity) = (100.0, 2e-3, 0.5);
+            let flat = Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, static_peak: None };
+            Pair { pressure_pa, flat, patterned: flat }
         });
         let elastic = Elastic::new(0.38e9, 900.0).unwrap();
         let body = Body { path: Path::new("c.toml"), elastic, modulus_relative_std: Some(0.2), layer: LAYER };

@@ -6,7 +6,7 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Status;
 
 use super::laws::ScaledLaw;
-use super::model::{FlatPoint, ModelledRatios, squares};
+use super::model::{ModelledRatios, squares};
 use slipgrid_base::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 use slipgrid_infer::calibrate::Measurement;
 use slipgrid_io::formats::calibration::Calibration;
@@ -121,8 +121,8 @@ pub struct ModelledRatio {
 /// Flat and patterned measurement at equal force, speed and humidity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// The flat measurement as input of the model.
-    pub point: FlatPoint,
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
     /// Measurement on the flat sample.
     pub flat: Measurement,
     /// Measurement on the patterned sample.
@@ -134,13 +134,7 @@ pub struct Pair {
 pub fn pairs(calibration: &Calibration) -> Vec<Pair> {
     let pair = |flat: &Measurement| {
         let patterned = calibration.patterned.iter().find(|patterned| flat.is_at(patterned))?;
-        let point = FlatPoint {
-            pressure_pa: calibration.pressure_pa(flat.force_n),
-            speed_m_s: flat.speed_m_s,
-            mu_flat: flat.mu_dynamic,
-            mu_flat_std: flat.mu_dynamic_std,
-        };
-        Some(Pair { point, flat: *flat, patterned: *patterned })
+        Some(Pair { pressure_pa: calibration.pressure_pa(flat.force_n), flat: *flat, patterned: *patterned })
     };
     calibration.stated.flat.iter().filter_map(pair).collect()
 }
@@ -148,13 +142,13 @@ pub fn pairs(calibration: &Calibration) -> Vec<Pair> {
 impl MeasuredReport {
     /// Makes the record of the measurements of `pair`.
     pub fn new(pair: &Pair) -> Self {
-        let Pair { point, flat, patterned } = pair;
+        let Pair { pressure_pa, flat, patterned } = pair;
         let ratio = patterned.mu_dynamic / flat.mu_dynamic;
         // (s_r / r)^2 = (s_p / mu_p)^2 + (s_f / mu_f)^2
         let relative = (patterned.mu_dynamic_std / patterned.mu_dynamic).hypot(flat.mu_dynamic_std / flat.mu_dynamic);
         Self {
             force_n: flat.force_n,
-            pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
+            pressure_mpa: PRESSURE_MPA.from_si(*pressure_pa),
             speed_mm_s: SPEED_MM_S.from_si(flat.speed_m_s),
             humidity_pct: HUMIDITY_PCT.from_si(flat.humidity),
             mu_flat: flat.mu_dynamic,

@@ -16,8 +16,8 @@ use slipgrid_report::charts::{ChartError, Estimate};
 use slipgrid_report::html::page::{number, plain};
 
 use super::figures::beside_measured;
-use super::model::{Body, FlatPoint, scene, squares};
-use super::ratios::{MeasuredReport, RatioReport};
+use super::model::{Body, scene, squares};
+use super::ratios::{MeasuredReport, Pair};
 use super::tables::Captioned;
 use crate::Failure;
 
@@ -67,8 +67,8 @@ pub struct RimsRow {
     pub chi_square: Option<f64>,
 }
 
-/// Computes the table of rims for the pattern `groove` and for squares of equal lengths, at `points`; `results` has the
-/// measured ratios of these points. Rows are solved in parallel.
+/// Computes the table of rims for the pattern `groove` and for squares of equal lengths, at the conditions of `pairs`.
+/// Rows are solved in parallel.
 ///
 /// # Errors
 /// [`Failure`] if the numbers make no valid scene.
@@ -76,12 +76,11 @@ pub fn rims(
     body: Body<'_>,
     law: &AreaLaw,
     groove: &Pattern,
-    points: &[FlatPoint],
-    results: &[&RatioReport],
+    pairs: &[Pair],
     monitor: &dyn Monitor,
 ) -> Result<RimsReport, Failure> {
     let body = Body { layer: Layer { block_m: BLOCK_M, ..body.layer }, ..body };
-    let scene = scene(body, Some(law), *groove, points)?;
+    let scene = scene(body, Some(law), *groove, pairs)?;
     let mut cases = Vec::new();
     for pattern in [*groove, squares(groove)] {
         cases.push((pattern, None));
@@ -92,7 +91,9 @@ pub fn rims(
             cases.push((pattern.with_rim(rim), Some(rim_um)));
         }
     }
-    let of = |value: fn(&MeasuredReport) -> f64| results.iter().map(|row| value(&row.measured)).collect::<Vec<f64>>();
+    let of = |value: fn(&MeasuredReport) -> f64| {
+        pairs.iter().map(|pair| value(&MeasuredReport::new(pair))).collect::<Vec<f64>>()
+    };
     let [pressure_mpa, measured, measured_std] =
         [of(|row| row.pressure_mpa), of(|row| row.ratio), of(|row| row.ratio_std)];
     let solved = |pattern: &Pattern, block_m: f64| {
