@@ -138,28 +138,26 @@ pub enum TradeOffGoal {
     Spread,
 }
 
-impl TradeOffGoal {
-    /// Name of the goal's column in trade-offs.csv, with the unit.
-    pub const fn column(self) -> &'static str {
-        match self {
-            Self::Chance => "chance",
-            Self::Misfit => "misfit_tolerances",
-            Self::LaserTime => "laser_time_s",
-            Self::Volume => "volume_mm3",
-            Self::PeakPressure => "peak_pressure_mpa",
-            Self::Spread => "spread_tolerances",
-        }
-    }
+// Names of the goals' columns in trade-offs.csv, with the unit.
+slipgrid_base::names!(TradeOffGoal {
+    Chance = "chance",
+    Misfit = "misfit_tolerances",
+    LaserTime = "laser_time_s",
+    Volume = "volume_mm3",
+    PeakPressure = "peak_pressure_mpa",
+    Spread = "spread_tolerances",
+});
 
-    /// Description of the goal in words, with the unit.
-    pub const fn words(self) -> &'static str {
+impl TradeOffGoal {
+    /// Description of the goal with the unit; a shorter one, and the unit.
+    pub const fn words(self) -> [&'static str; 3] {
         match self {
-            Self::Chance => "chance that a cut sample is on target",
-            Self::Misfit => "largest distance from the target (tolerances)",
-            Self::LaserTime => "time under the laser (s)",
-            Self::Volume => "volume of cavities (mm3)",
-            Self::PeakPressure => "largest local pressure (MPa)",
-            Self::Spread => "standard deviation over samples (tolerances)",
+            Self::Chance => ["chance that a cut sample is on target", "chance", ""],
+            Self::Misfit => ["largest distance from the target (tolerances)", "distance from the target", "tolerances"],
+            Self::LaserTime => ["time under the laser (s)", "laser time", "s"],
+            Self::Volume => ["volume of cavities (mm3)", "volume", "mm3"],
+            Self::PeakPressure => ["largest local pressure (MPa)", "peak pressure", "MPa"],
+            Self::Spread => ["standard deviation over samples (tolerances)", "spread", "tolerances"],
         }
     }
 }

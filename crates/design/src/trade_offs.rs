@@ -24,7 +24,7 @@ const LISTED: usize = 12;
 pub struct TradeOff {
     /// Compared design.
     pub design: Pattern,
-    /// Value by each goal, in the unit of [`TradeOffGoal::column`].
+    /// Value by each goal, in the unit of [`TradeOffGoal::name`].
     pub goals: Vec<f64>,
 }
 
@@ -122,8 +122,8 @@ pub fn of(search: &Search<'_>, best: &Prediction, solved: &[Prediction]) -> Opti
     let stride = front.len().saturating_sub(1).div_ceil(LISTED - 1).max(1);
     let listed = front.iter().step_by(stride).chain(front.last().filter(|_| (front.len() - 1) % stride != 0));
     let report = TradeOffsReport {
-        goals: wanted.goals.iter().map(|goal| goal.column().into()).collect(),
-        words: wanted.goals.iter().map(|goal| goal.words().into()).collect(),
+        goals: wanted.goals.iter().map(|goal| goal.name().into()).collect(),
+        words: wanted.goals.iter().map(|goal| goal.words()[0].into()).collect(),
         designs: front.len() + dominated.len(),
         front: front.len(),
         chosen: chosen.into_iter().map(tidy).collect(),
@@ -133,7 +133,7 @@ pub fn of(search: &Search<'_>, best: &Prediction, solved: &[Prediction]) -> Opti
     Some((report, Compared { wanted, front, dominated }))
 }
 
-/// Value of `found` by `goal`, in the unit of [`TradeOffGoal::column`], with `peak_off` times the peak pressure by the
+/// Value of `found` by `goal`, in the unit of [`TradeOffGoal::name`], with `peak_off` times the peak pressure by the
 /// table; `None` if unknown.
 fn value(search: &Search<'_>, found: &Prediction, goal: TradeOffGoal, peak_off: f64) -> Option<f64> {
     let pattern = &found.texture.pattern;
@@ -217,14 +217,8 @@ impl TradeOffsReport {
 
 /// Name and unit of the goal with the column name `column`.
 fn words(column: &str) -> [&str; 2] {
-    match column {
-        "laser_time_s" => ["laser time", "s"],
-        "volume_mm3" => ["volume", "mm3"],
-        "peak_pressure_mpa" => ["peak pressure", "MPa"],
-        "misfit_tolerances" => ["distance from the target", "tolerances"],
-        "spread_tolerances" => ["spread", "tolerances"],
-        other => [other, ""],
-    }
+    let goal = TradeOffGoal::ALL.into_iter().find(|goal| goal.name() == column);
+    goal.map_or([column, ""], |goal| [goal.words()[1], goal.words()[2]])
 }
 
 #[cfg(test)]

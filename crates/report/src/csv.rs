@@ -97,7 +97,7 @@ pub fn trade_offs(compared: &Compared, chosen: &Pattern) -> String {
     table.numbers("depth_um", |(_, design, _)| design.depth_um);
     table.numbers("areal_density", |(_, design, _)| significant(design.areal_density, 6));
     for (place, goal) in goals.iter().enumerate() {
-        table.numbers(goal.column(), |(known, ..)| significant(known.goals[place], 6));
+        table.numbers(goal.name(), |(known, ..)| significant(known.goals[place], 6));
     }
     table.numbers("on_front", |(.., on_front)| f64::from(*on_front));
     table.numbers("chosen", |(known, ..)| f64::from(known.design == *chosen));

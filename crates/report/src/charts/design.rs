@@ -205,7 +205,7 @@ pub(crate) fn trade_offs(name: &str, compared: &Compared, chosen: &Pattern) -> R
     let all = || front.iter().chain(others);
     check(&title, all().flat_map(|known| known.goals.iter().copied()))?;
     let chosen = all().find(|known| known.design == *chosen);
-    let titles: Vec<&str> = wanted.goals.iter().map(|goal| goal.words()).collect();
+    let titles: Vec<&str> = wanted.goals.iter().map(|goal| goal.words()[0]).collect();
     let column = |goal: usize| all().map(move |known| known.goals[goal]);
     let is_wide = |goal: usize| {
         let [low, high] = extremes(column(goal));
@@ -409,7 +409,7 @@ mod tests {
         // Each of the two panels has three dots of the front, one dot behind them, and a diamond; the legend has a square, a circle and a diamond.
         assert_eq!(svg.matches("<rect").count(), 1 + 2 * 3);
         assert_eq!(svg.matches("h0").count(), 2);
-        let titles: Vec<&str> = goals.iter().map(|goal| goal.words()).collect();
+        let titles: Vec<&str> = goals.iter().map(|goal| goal.words()[0]).collect();
         for text in
             ["a: trade-offs", "no other beats it in every goal", "chosen", "missed beyond"].iter().chain(&titles)
         {
