@@ -1,12 +1,14 @@
 //! Samples to cut next: those with the maximum chance by the model corrected by trials.
 
+use std::ops::RangeInclusive;
+
 use crate::results::MadeBy;
 use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::{counted, tidy};
 use slipgrid_infer::calibrate::CutSample;
 use slipgrid_infer::discrepancy::{Features, Scenarios};
-use slipgrid_laser::export::{Division, MIN_PERIODS, Outline, Sector};
+use slipgrid_laser::export::{Division, MAX_SECTORS, MIN_PERIODS, Outline, Sector};
 use slipgrid_model::pattern::Pattern;
 
 use crate::DesignError;
@@ -50,6 +52,11 @@ pub struct NextOptions {
 }
 
 impl NextOptions {
+    /// Accepted numbers of samples to cut at once, on separate specimens or as sectors of one.
+    pub const fn counts(one_disc: bool) -> RangeInclusive<usize> {
+        if one_disc { 2..=MAX_SECTORS } else { 1..=20 }
+    }
+
     /// Options for what the trials of a calibration say, `samples`: which are pending, and which discs were cut.
     pub fn of_samples(samples: &[CutSample]) -> Self {
         let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();

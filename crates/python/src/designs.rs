@@ -1,6 +1,5 @@
 //! Designs: the search for a design, and the samples to cut next.
 
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -12,7 +11,6 @@ use rayon::prelude::*;
 use slipgrid::design::{
     BOUND_ROUNDING, DesignOutcome, Explored, NextOptions, NoCache, explore_bounds, next_trials, run,
 };
-use slipgrid::export::MAX_SECTORS;
 use slipgrid::formats::calibrated::{complete_by, read_calibration};
 use slipgrid::formats::calibration::Calibration;
 use slipgrid::formats::confirmed_scene::steady_scene;
@@ -32,9 +30,6 @@ use crate::output::{Named, Told, contents};
 use crate::progress::{Watch, watched};
 use crate::threads::in_pool;
 use crate::warnings::warn_all;
-
-/// Accepted numbers of samples to cut next.
-const SAMPLES: RangeInclusive<usize> = 1..=20;
 
 /// A design task.
 #[pyclass(frozen, module = "slipgrid._slipgrid")]
@@ -266,7 +261,7 @@ impl Design {
         one_disc: bool,
         learn: bool,
     ) -> Result<(String, Told), Failure> {
-        let accepted = if one_disc { 2..=MAX_SECTORS } else { SAMPLES };
+        let accepted = NextOptions::counts(one_disc);
         let refused = || {
             let [least, most] = [accepted.start(), accepted.end()];
             let on = if one_disc { " sectors of one_disc" } else { "" };

@@ -29,8 +29,8 @@ pub struct NextArgs {
     /// Design file
     pub design: PathBuf,
     /// Number of samples to cut at once
-    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
-    pub count: u8,
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    pub count: usize,
     /// Cut the samples as sectors of one disc: write their files, and trials.toml, whose lines go into the calibration
     #[arg(long)]
     pub one_disc: bool,

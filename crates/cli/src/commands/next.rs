@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use slipgrid_design::export::MAX_SECTORS;
 use slipgrid_design::{NextOptions, next_trials};
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_io::formats::design::Design;
@@ -25,10 +24,12 @@ const FILES_OF_DISC: [&str; 6] =
 
 /// Chooses samples, writes files and reports.
 pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    if args.one_disc && !(2..=MAX_SECTORS).contains(&args.count.into()) {
-        let reason = "cannot be the number of sectors of one specimen, which --one-disc asks for";
+    let counts = NextOptions::counts(args.one_disc);
+    if !counts.contains(&args.count) {
+        let of_sectors = "cannot be the number of sectors of one specimen, which --one-disc asks for";
+        let reason = if args.one_disc { of_sectors } else { "is no number of samples to cut at once" };
         let refused = Diagnostic::flag("--count", args.count.to_string(), reason);
-        return Err(refused.expected(format!("2 to {MAX_SECTORS}")).into());
+        return Err(refused.expected(format!("{} to {}", counts.start(), counts.end())).into());
     }
     let started = Instant::now();
     let mut design = Design::read(&disk(), &args.design)?;
@@ -41,7 +42,7 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let own = args.candidate.iter().map(|text| design.candidate(text)).collect::<Result<_, _>>()?;
     let calibration = complete(&mut design, console)?;
     let samples = calibration.map_or_else(Vec::new, |calibration| calibration.stated.trials.samples);
-    let (count, one_disc, learn) = (args.count.into(), args.one_disc, args.learn);
+    let (count, one_disc, learn) = (args.count, args.one_disc, args.learn);
     design.task.search.take_seconds(started.elapsed().as_secs_f64());
     let options = NextOptions { count, own, one_disc, learn, ..NextOptions::of_samples(&samples) };
     let found =
