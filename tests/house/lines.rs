@@ -5,21 +5,21 @@ use crate::rooms::{code, root, sources};
 /// Upper limits of the lines of code of each crate. A crate that grows beyond its limit raises the limit in the same
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
-    ("base", 1_700),
-    ("model", 14_830),
-    ("surface", 10_450),
+    ("base", 1_670),
+    ("model", 14_810),
+    ("surface", 10_410),
     ("traces", 3_150),
     ("laser", 4_550),
-    ("infer", 5_800),
-    ("design", 6_880),
-    ("io", 9_440),
-    ("report", 7_175),
-    ("validate", 2_800),
+    ("infer", 5_735),
+    ("design", 6_835),
+    ("io", 9_420),
+    ("report", 7_160),
+    ("validate", 2_740),
     ("slipgrid", 100),
     ("studio", 1_450),
-    ("cli", 2_555),
-    ("book", 570),
-    ("python", 1_490),
+    ("cli", 2_545),
+    ("book", 556),
+    ("python", 1_480),
 ];
 
 /// Lines of code of the crate `room` outside tests.
