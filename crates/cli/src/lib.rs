@@ -67,7 +67,7 @@ pub mod exit_code {
         match advice {
             _ if is_cut_short => BUDGET,
             None | Some(Advice::Series | Advice::Trial | Advice::TrialMeetsIt { .. }) => DONE,
-            Some(Advice::CannotBeMet { .. } | Advice::DoNotTexture) => UNREACHABLE,
+            Some(Advice::CannotBeMet { .. } | Advice::MeasureAgain { .. } | Advice::DoNotTexture) => UNREACHABLE,
         }
     }
 }

@@ -38,6 +38,12 @@ pub enum Advice {
         /// Whether the best texture, as it would be cut, keeps all limits.
         keeps_limits: bool,
     },
+    /// Measure two trials again: they are samples of one texture that contradict each other, and with both no texture
+    /// has a median within the accepted band.
+    MeasureAgain {
+        /// Names of the two trials.
+        trials: [String; 2],
+    },
     /// Cut nothing: the flat surface is on target or is best by the goal.
     DoNotTexture,
 }
@@ -73,7 +79,11 @@ impl Advice {
         // Before any trial the model error is unknown, so only a trial can be advised.
         let has_trials = !asked.learned.trials().is_empty();
         if !is_within_reach && asked.has_demands() && has_trials {
-            return Self::CannotBeMet { keeps_limits: true };
+            let contradicting = asked.learned.contradictions().into_iter().next();
+            let name = |trial: usize| asked.learned.trials()[trial].name.clone();
+            return contradicting.map_or(Self::CannotBeMet { keeps_limits: true }, |pair| Self::MeasureAgain {
+                trials: pair.trials.map(name),
+            });
         }
         Self::Trial
     }
@@ -85,6 +95,7 @@ impl Advice {
             Self::Trial => "trial",
             Self::TrialMeetsIt { .. } => "trial_meets_it",
             Self::CannotBeMet { .. } => "cannot_be_met",
+            Self::MeasureAgain { .. } => "measure_again",
             Self::DoNotTexture => "do_not_texture",
         }
     }
@@ -97,7 +108,7 @@ impl Advice {
         match self {
             Self::Series => format!("make a series: {of_sample}"),
             Self::Trial if has_demands && !is_within_reach => format!(
-                "cut a trial: {of_sample}; no texture is expected to lie within it, but before any trial nothing says how far the model is off"
+                "cut a trial: {of_sample}; the model alone reaches no texture on target, and one trial shows how far it is off"
             ),
             Self::Trial if has_demands => format!("cut a trial: {of_sample}"),
             Self::Trial => "cut a trial: the best texture found for the goal".to_owned(),
@@ -114,6 +125,9 @@ impl Advice {
             }
             Self::CannotBeMet { keeps_limits: true } => format!(
                 "this target cannot be met within the bounds and limits: no texture is expected to lie within it; the likeliest has a chance of {chance}"
+            ),
+            Self::MeasureAgain { trials: [first, second] } => format!(
+                "measure \"{first}\" and \"{second}\" again: these samples of one texture contradict each other, and with both no texture is expected on target; the likeliest has a chance of {chance}"
             ),
             Self::DoNotTexture => "do not texture: the flat surface is what is asked for".to_owned(),
         }

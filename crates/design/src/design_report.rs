@@ -40,7 +40,8 @@ pub struct DesignReport {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub date: Option<String>,
     /// Recommended action: `series` (cut a series), `trial` (cut a trial), `trial_meets_it` (a measured trial
-    /// is on target), `cannot_be_met` or `do_not_texture`.
+    /// is on target), `cannot_be_met`, `measure_again` (two trials of one texture contradict each other) or
+    /// `do_not_texture`.
     pub advice: Cow<'static, str>,
     /// Recommended action in one sentence.
     pub words: String,

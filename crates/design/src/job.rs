@@ -125,7 +125,8 @@ fn reported(
 
     let advice = Advice::of(search, best, found.is_within_reach);
     let beside_s = monitor.seconds();
-    let is_out_of_reach = asked.has_demands() && !found.is_within_reach && advice != Advice::DoNotTexture;
+    let is_missed = !matches!(advice, Advice::DoNotTexture | Advice::MeasureAgain { .. });
+    let is_out_of_reach = asked.has_demands() && !found.is_within_reach && is_missed;
     let breaks_limits = asked.has_demands() && advice == Advice::CannotBeMet { keeps_limits: false };
     let blocked =
         if is_out_of_reach || breaks_limits { blocked_by(search, best, found.is_within_reach) } else { Vec::new() };
@@ -134,7 +135,8 @@ fn reported(
     let slopes = slopes(search, best);
     let (trade_offs, compared) = trade_offs::of(search, best, &found.solved).unzip();
     let own = best.full_report(search);
-    let worth_cutting = if matches!(advice, Advice::CannotBeMet { .. }) { 1 } else { 1 + OTHERS };
+    let worth_cutting =
+        if matches!(advice, Advice::CannotBeMet { .. } | Advice::MeasureAgain { .. }) { 1 } else { 1 + OTHERS };
     let others = search.unlike(&found.solved, 1, worth_cutting);
     let others = others.iter().skip(1).map(|of| of.report(search).beside(&own)).collect();
     timings.trade_offs = monitor.seconds() - beside_s;

@@ -30,7 +30,8 @@ pub struct NextReport {
     /// Number of designs that were compared.
     pub compared: usize,
     /// Recommended action: `series` (cut a series), `trial` (cut a trial), `trial_meets_it` (a measured trial
-    /// is on target), `cannot_be_met` or `do_not_texture`; `learn` where a disc to learn from was requested.
+    /// is on target), `cannot_be_met`, `measure_again` (two trials of one texture contradict each other) or
+    /// `do_not_texture`; `learn` where a disc to learn from was requested.
     pub advice: String,
     /// Recommended action in one sentence.
     pub words: String,

@@ -147,7 +147,8 @@ impl Prediction {
         self.texture.ratio.iter().enumerate().map(of).collect()
     }
 
-    /// Inputs that limit the chance, sorted by decreasing chance without their error: for each, the resulting standard
+    /// Inputs that limit the chance, sorted by decreasing chance without their error, in whole per cent, then by the
+    /// deviation that they cause: for each, the resulting standard
     /// deviation of the ratio, and the chance if the input were exactly its current value, or if samples did not
     /// scatter. `modulus_std` is the relative standard deviation of Young's modulus.
     pub fn limited_by(&self, asked: &Asked, predictor: &Predictor, modulus_std: f64) -> Vec<LimitedBy> {
@@ -226,9 +227,10 @@ impl Prediction {
             };
             add(part.name, part.known_to.clone(), ratio_std(&|load| added(&without, load)), &without);
         }
-        // Equal inputs are sorted by the scatter of the ratio.
+        // Where chances are equal in whole per cent, the scatter of the ratio decides.
         let most = |of: &LimitedBy| of.std.iter().copied().fold(0.0, f64::max);
-        all.sort_by(|a, b| b.chance_if_known.total_cmp(&a.chance_if_known).then(most(b).total_cmp(&most(a))));
+        let points = |of: &LimitedBy| (100.0 * of.chance_if_known).round();
+        all.sort_by(|a, b| points(b).total_cmp(&points(a)).then(most(b).total_cmp(&most(a))));
         all
     }
 

@@ -8,7 +8,7 @@ import { alert, button, dimensions, fileUrl, h, heading, link, percent, reportFr
   zipLink } from "./ui.js";
 
 const DOWNLOADS = ["pattern.dxf", "pattern.svg", "process.toml", "scene.toml"];
-const MISSED = ["cannot_be_met", "do_not_texture"];
+const MISSED = ["cannot_be_met", "measure_again", "do_not_texture"];
 
 /// Button that adds a texture to the trials of a calibration, or the name of the trial that it is. `calibration` is a
 /// document or null.

@@ -140,7 +140,7 @@ fn limited_by(page: &mut Page, report: &DesignReport) {
     }
     page.table(
         &format!(
-            "What limits the prediction: the standard deviation of the ratio that each input alone gives at {} MPa, in the order of the chance without the input.",
+            "What limits the prediction: the standard deviation of the ratio that each input alone gives at {} MPa, first the input without which the chance is greatest.",
             plain(report.target.pressure_mpa.get(last).copied())
         ),
         &table.table(),
@@ -183,8 +183,8 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     table.column("expected at the first load (95 %)", |of| ends(of.expected.first()));
     table.column("at the last", |of| ends(of.expected.last()));
     page.table(
-        "The design, and textures of other regions of the bounds that are worth cutting. Learns: how much measuring a sample would tell \
-         about how the model's error depends on the texture.",
+        "The design, and textures of other regions of the bounds that are worth cutting. The others' specimens were not run in time, which changes a chance by a point or two: `next` runs \
+         those that it advises. Learns: how much measuring a sample would tell about how the model's error depends on the texture.",
         &known(&table.table()),
     );
     if let Some(found) = &report.trade_offs {
@@ -193,8 +193,8 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     let table = &report.table;
     if table.nodes > 0 {
         page.paragraph(&format!(
-            "A table of the model over the bounds (seed {}; {}, {} of them without an answer) compared {}. At {} its ratios \
-             are off by {} in the median and {} at most.",
+            "A table of the model over the bounds (seed {}; {}, {} of them without an answer) compared {}. At {} its ratios, \
+             those of the model alone on an endless face, are off by {} in the median and {} at most.",
             report.seed,
             counted(table.nodes, "node"),
             table.holes,

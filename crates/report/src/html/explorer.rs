@@ -187,7 +187,7 @@ impl Subject<'_> {
             "No random design has an answer to compare the interpolation with.".to_owned()
         } else {
             format!(
-                "The {quantity} is interpolated between computed designs: of {} random ones half are off by less than {}, all by at most {}.",
+                "The {quantity} expected of a sample is interpolated between computed designs: of {} random ones half are off by less than {}, all by at most {}.",
                 explorer.checked,
                 number(explorer.median_error, 4),
                 number(explorer.worst_error, 4),

@@ -181,13 +181,13 @@ fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>)
     let shown: Vec<&LimitedBy> = shown.collect();
     if largest > 0.0 && !shown.is_empty() {
         let at = plain(report.target.pressure_mpa.get(row).copied());
-        let accepted = if tolerance.is_some() { ", against what is accepted" } else { "" };
+        let accepted = if tolerance.is_some() { ", beside what is accepted" } else { "" };
         let bar = |value: f64| format!("width:{:.1}%", 100.0 * value / largest);
         let raises = |limit: &LimitedBy| report.sample.chance.is_some_and(|own| limit.chance_if_known > own + MIN_GAIN);
         page.subheading("What limits it");
         page.add(&html! {
             div class="bars" {
-                p { "One standard deviation of the ratio at " (at) " MPa" (accepted) ", in the order of the chance without the input." }
+                p { "How far each unknown moves the ratio at " (at) " MPa (one standard deviation)" (accepted) "; first the one without which the chance is greatest." }
                 @for limit in shown {
                     div class="input" {
                         span {
@@ -230,6 +230,14 @@ fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
                 "Cut nothing for this target yet.",
                 "Accept more, or widen a bound or a limit.",
                 "Or cut the texture on this page as a trial: it shows how far the model is off there.",
+            ]
+            .map(str::to_owned)
+            .to_vec();
+        }
+        "measure_again" => {
+            return [
+                "Measure both trials again, and their dimensions.",
+                "Mend the numbers of the wrong one, or take it out, and design again: slipgrid optimize.",
             ]
             .map(str::to_owned)
             .to_vec();

@@ -4,6 +4,7 @@ use std::fmt;
 
 use slipgrid_base::monitor::{Cancelled, Monitor};
 use slipgrid_base::statistics::upper_median;
+use slipgrid_base::units::significant;
 
 use crate::topography::despike::ROBUST_DEVIATION;
 use crate::topography::{Form, HeightMap, Spikes};
@@ -76,8 +77,9 @@ fn matter(with: [f64; 2], without: [f64; 2]) -> bool {
 /// Text of a warning about the slope `rms_slope`.
 fn slope_text(rms_slope: f64) -> String {
     format!(
-        "the rms slope is {rms_slope:.2e}; surfaces that slide have {:e} to {:e}: see the units of heights and \
+        "the rms slope is {}; surfaces that slide have {} to {}: see the units of heights and \
          pixels, and the map for faults{}",
+        significant(rms_slope, 3),
         limits::WARNED_SLOPE[0],
         limits::WARNED_SLOPE[1],
         other_unit(rms_slope)

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 use slipgrid_base::monitor::Monitor;
+use slipgrid_base::units::significant;
 
 use crate::topography::{
     Decimation, Form, HeightMap, MapError, MapFormat, MapWarning, ReadError, ReadMap, Sides, limits,
@@ -51,7 +52,7 @@ pub enum PreparationError {
         points: usize,
     },
     /// The slope is impossible for a surface; see [`limits::POSSIBLE_SLOPE`].
-    #[error("the rms slope is {rms_slope:.2e}, which no measured surface has")]
+    #[error("the rms slope is {}, which no measured surface has", significant(*rms_slope, 3))]
     ImpossibleSlope {
         /// Rms slope.
         rms_slope: f64,

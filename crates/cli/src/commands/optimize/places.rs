@@ -50,6 +50,9 @@ pub fn written(command: &str, calibration: Option<&Path>, folder: &Path, advice:
         Advice::CannotBeMet { keeps_limits: true } => {
             text + "next    accept more, widen a bound or a limit, or cut pattern.dxf, the likeliest, as a trial\n"
         }
+        Advice::MeasureAgain { .. } => {
+            text + &format!("next    measure both again, and their dimensions, or take one out; then: {command}\n")
+        }
         Advice::Series | Advice::DoNotTexture => text,
     }
 }
