@@ -1,4 +1,4 @@
-use slipgrid_model::pattern::{Contour, Planform};
+use slipgrid_model::pattern::{Contour, Pattern, Planform};
 
 use crate::export::clip::{area_m2, circle, clip};
 use crate::export::clip_simple::clip_simple;
@@ -66,6 +66,22 @@ impl Boundary {
 }
 
 impl Cavity {
+    /// Whole cavity of `pattern` about a point, that no border cuts.
+    pub(crate) fn new(pattern: &Pattern, centre_m: [f64; 2], length_m: f64) -> Self {
+        let width_m = pattern.width_m();
+        Self {
+            centre_x_m: centre_m[0],
+            centre_y_m: centre_m[1],
+            width_m,
+            length_m,
+            orientation: pattern.texture().orientation(),
+            planform: pattern.planform(),
+            cut_by: None,
+            face: pattern.texture().outline().map(|outline| Face { outline, centre_m, width_m, inset_m: 0.0 }),
+            crossed_by: None,
+        }
+    }
+
     /// Outline of the cavity: one boundary, or one per part if the border or other grooves cut the cavity; none if
     /// nothing remains.
     pub fn boundaries(&self) -> Vec<Boundary> {
@@ -137,13 +153,22 @@ impl Cavity {
         }
     }
 
-    /// Positions along a line, in metres, at which it first enters and last leaves the walls of the cavity. The line
-    /// runs along the unit vector `along`, `at_m` to the left of the specimen's centre; the border of the specimen is
-    /// not a wall. `None` if the line misses the cavity.
-    pub(crate) fn chord_m(&self, along: [f64; 2], at_m: f64) -> Option<[f64; 2]> {
+    /// Intervals of a line within the walls of the cavity, in metres along the line and ascending. The line runs along the
+    /// unit vector `along`, `at_m` to the left of the specimen's centre; neither the border of the specimen nor other
+    /// grooves are walls.
+    pub(crate) fn spans_m(&self, along: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
         if let Some(face) = &self.face {
-            let spans_m = face.spans_m(along, at_m);
-            return spans_m.first().zip(spans_m.last()).map(|(first, last)| [first[0], last[1]]);
+            return face.spans_m(along, at_m);
+        }
+        let [x_m, y_m] = [self.centre_x_m, self.centre_y_m];
+        // Along x, ends are symmetric about the centre without rounding.
+        if along == [1.0, 0.0] && self.is_aligned() && self.crossed_by.is_none() {
+            let across_m = (at_m - y_m).abs();
+            let half_m = match self.planform.contour() {
+                Contour::Circle => ((self.width_m / 2.0 - across_m) * (self.width_m / 2.0 + across_m)).max(0.0).sqrt(),
+                Contour::Rectangle => self.width_m / 2.0,
+            };
+            return if across_m < self.length_m / 2.0 { vec![[x_m - half_m, x_m + half_m]] } else { Vec::new() };
         }
         let face = match self.planform.contour() {
             Contour::Circle => Outline::Disc { diameter_m: self.width_m },
@@ -152,9 +177,9 @@ impl Cavity {
         // The line's normal in the cavity's axes; turned anticlockwise it points backwards.
         let ([nx, ny], [cosine, sine]) = (left_of(along), self.orientation);
         let normal = [nx * cosine + ny * sine, ny * cosine - nx * sine];
-        let of_centre = |[x, y]: [f64; 2]| self.centre_x_m * x + self.centre_y_m * y;
-        let [low_m, high_m] = face.chord_m(normal, at_m - of_centre([nx, ny]))?;
-        Some([of_centre(along) - high_m, of_centre(along) - low_m])
+        let of_centre = |[x, y]: [f64; 2]| x_m * x + y_m * y;
+        let chord_m = face.chord_m(normal, at_m - of_centre([nx, ny]));
+        chord_m.into_iter().map(|[low_m, high_m]| [of_centre(along) - high_m, of_centre(along) - low_m]).collect()
     }
 
     /// Corners of the rectangle, or of the square around a disc, as `[x, y]` in metres, anticlockwise; the first is the

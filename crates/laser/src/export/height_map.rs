@@ -73,7 +73,8 @@ impl HeightMap {
 
     /// Lowers the pixels of the row at `y_m` that lie in `cavity`.
     fn cut(&self, layout: &Layout, cavity: &Cavity, y_m: f64, heights: &mut [u16]) {
-        let Some([from_m, to_m]) = cavity.chord_m([1.0, 0.0], y_m) else { return };
+        let spans_m = cavity.spans_m([1.0, 0.0], y_m);
+        let Some((&[from_m, _], &[_, to_m])) = spans_m.first().zip(spans_m.last()) else { return };
         // One more pixel on either side; the wall distance decides whether these lie inside.
         let (first, end) = (self.after(from_m).saturating_sub(1), (self.after(to_m) + 1).min(heights.len()));
         let wall_distance_m = |column: usize| cavity.wall_distance_m([self.x_m(column as u32), y_m]);

@@ -2,7 +2,6 @@ use slipgrid_base::statistics::extremes;
 use slipgrid_model::pattern::{Contour, Pattern, Planform};
 
 use crate::export::crossing::Crossing;
-use crate::export::face::Face;
 use crate::export::{Boundary, Cavity, ExportError, Outline, Specimen};
 
 /// Maximum number of cavities of a layout: a DXF file of so many takes about 2.5 GB.
@@ -317,37 +316,15 @@ impl Layout {
         let shift = if self.is_shifted(row) { 0.5 } else { 0.0 };
         let centre_x_m = (column as f64 + shift) * self.pattern.pitch_m();
         let centre_y_m = row as f64 * self.pattern.pitch_across_m().unwrap_or(0.0);
-        let width_m = self.pattern.width_m();
-        let face = |outline| Face { outline, centre_m: [centre_x_m, centre_y_m], width_m, inset_m: 0.0 };
-        Cavity {
-            centre_x_m,
-            centre_y_m,
-            width_m,
-            length_m,
-            orientation: self.pattern.texture().orientation(),
-            planform: self.pattern.planform(),
-            cut_by: None,
-            face: self.pattern.texture().outline().map(face),
-            crossed_by: None,
-        }
+        Cavity::new(&self.pattern, [centre_x_m, centre_y_m], length_m)
     }
 
     /// Groove at `column` pitches along the pattern's x axis, between two positions along the groove, in metres.
     fn groove_between(&self, column: i64, [low_m, high_m]: [f64; 2]) -> Cavity {
-        let orientation = self.pattern.texture().orientation();
-        let [cosine, sine] = orientation;
+        let [cosine, sine] = self.pattern.texture().orientation();
         let (offset_m, middle_m) = (column as f64 * self.pattern.pitch_m(), f64::midpoint(low_m, high_m));
-        Cavity {
-            centre_x_m: offset_m * cosine - middle_m * sine,
-            centre_y_m: offset_m * sine + middle_m * cosine,
-            width_m: self.pattern.width_m(),
-            length_m: high_m - low_m,
-            orientation,
-            planform: Planform::Groove,
-            cut_by: None,
-            face: None,
-            crossed_by: None,
-        }
+        let centre_m = [offset_m * cosine - middle_m * sine, offset_m * sine + middle_m * cosine];
+        Cavity { planform: Planform::Groove, ..Cavity::new(&self.pattern, centre_m, high_m - low_m) }
     }
 
     /// Groove at `column`, longer than the specimen, to be cut at the border.

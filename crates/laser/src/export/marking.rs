@@ -15,6 +15,8 @@
 //! grooves cross, the lines of the second family end where the strips of the first do, e - h/2 inside the walls, so that
 //! the strips of both fill the crossing. Lines stay half a spot inside the border of the specimen.
 
+use std::f64::consts::FRAC_PI_2;
+
 use slipgrid_base::statistics::extremes;
 use slipgrid_model::pattern::Contour;
 use slipgrid_model::pattern::geometry::edges;
@@ -32,6 +34,8 @@ pub struct Marking {
     /// Radius of the spot, in metres; 0 for a mask.
     pub(crate) half_spot_m: f64,
     distance_m: f64,
+    /// Distance between pulses along a line, in metres; 0 if unknown.
+    pulse_m: f64,
 }
 
 /// Marking of the cavities of one layout.
@@ -40,7 +44,7 @@ pub(crate) struct Hatch {
     /// Where the centre of the spot may be; `None` on a face smaller than the spot.
     face: Option<Outline>,
     /// Lesser extent of the first cavity, and the distance of the outermost lines from walls so far apart, in metres.
-    outermost_m: [f64; 2],
+    wall_inset_m: [f64; 2],
 }
 
 /// Rounding tolerance of the number of line distances that fit across a cavity.
@@ -64,7 +68,8 @@ impl Marking {
             (Exposure::Hatch, Some((spot_um, distance_um))) => (spot_um * 0.5e-6, distance_um * 1e-6),
             (Exposure::Hatch, None) => return Err(ExportError::Refused("hatching needs laser.spot_um".to_owned())),
         };
-        Ok(Self { exposure, half_spot_m, distance_m })
+        let pulse_m = laser.pulse_distance_um().map_or(0.0, |pulse_um| pulse_um * 1e-6);
+        Ok(Self { exposure, half_spot_m, distance_m, pulse_m })
     }
 
     /// Creates the marking for a file of lines that a spot follows; `what` names the file in the error.
@@ -85,11 +90,13 @@ impl Marking {
     /// Marking of the cavities of `layout`.
     pub(crate) fn on(&self, layout: &Layout) -> Hatch {
         let width_m = layout.iter().next().map_or(0.0, |cavity| cavity.width_m.min(cavity.length_m));
-        Hatch {
-            marking: *self,
-            face: layout.outline().inset(self.half_spot_m),
-            outermost_m: [width_m, self.outermost_m(width_m)],
-        }
+        self.on_face(layout.outline(), width_m)
+    }
+
+    /// Marking of cavities of `width_m` on a specimen with the border `outline`.
+    pub(crate) fn on_face(&self, outline: &Outline, width_m: f64) -> Hatch {
+        let face = outline.inset(self.half_spot_m);
+        Hatch { marking: *self, face, wall_inset_m: [width_m, self.wall_inset_m(width_m)] }
     }
 
     /// Direction of the lines in a cavity, as a unit vector in the specimen's axes.
@@ -100,16 +107,15 @@ impl Marking {
 
     /// Distance of the outermost lines from the walls of a cavity of `width_m`, in metres, so that half of the depth in
     /// its middle third falls on the walls. The fewest lines are taken that are at most the nominal distance apart.
-    fn outermost_m(&self, width_m: f64) -> f64 {
+    fn wall_inset_m(&self, width_m: f64) -> f64 {
         let (half_spot_m, most_m) = (self.half_spot_m, self.half_spot_m.min(width_m / 2.0));
         if self.exposure == Exposure::Mask || width_m <= 0.0 {
             return most_m;
         }
-        // Integral of c from 0 to x
+        // Integral of c from 0 to x; lines that do not reach x with the spot need no arcsine.
         let area_m2 = |x_m: f64| {
-            let x_m = x_m.clamp(-half_spot_m, half_spot_m);
-            x_m * ((half_spot_m - x_m) * (half_spot_m + x_m)).sqrt()
-                + half_spot_m * half_spot_m * libm::asin(x_m / half_spot_m)
+            let share = if x_m.abs() < half_spot_m { libm::asin(x_m / half_spot_m) } else { FRAC_PI_2.copysign(x_m) };
+            x_m * ((half_spot_m - x_m) * (half_spot_m + x_m)).max(0.0).sqrt() + half_spot_m * half_spot_m * share
         };
         let is_deep_at_walls = |inset_m: f64, gaps: f64| {
             let apart_m = (width_m - 2.0 * inset_m) / gaps;
@@ -117,7 +123,8 @@ impl Marking {
             for line in 0..=gaps as u64 {
                 let at_m = inset_m + line as f64 * apart_m;
                 wall_m += 2.0 * ((half_spot_m - at_m) * (half_spot_m + at_m)).max(0.0).sqrt();
-                middle_m2 += area_m2(2.0 / 3.0 * width_m - at_m) - area_m2(width_m / 3.0 - at_m);
+                // Lines are symmetric about the middle.
+                middle_m2 += 2.0 * area_m2(2.0 / 3.0 * width_m - at_m);
             }
             wall_m > 0.5 * middle_m2 / (width_m / 3.0)
         };
@@ -177,11 +184,12 @@ impl Hatch {
         } else if cavity.planform.contour() == Contour::Circle {
             let grown_m = marking.half_spot_m * marking.half_spot_m / (6.0 * half_m);
             cavity.width_m += 2.0 * grown_m;
+            cavity.length_m = cavity.width_m;
             (extent_m, has_side) = ([extent_m[0] - grown_m, extent_m[1] + grown_m], [false; 2]);
         }
-        let side_m = match self.outermost_m {
-            [width_m, outermost_m] if width_m == least_m => outermost_m,
-            _ => marking.outermost_m(least_m),
+        let side_m = match self.wall_inset_m {
+            [width_m, inset_m] if width_m == least_m => inset_m,
+            _ => marking.wall_inset_m(least_m),
         };
         // At an end without a side, a line is half a distance from the outermost point, where it would have no length.
         let sides = has_side.map(|has_side| if has_side { side_m } else { 0.0 });
@@ -190,27 +198,26 @@ impl Hatch {
         let gaps = (across_m / marking.distance_m - halves - ROUNDING).ceil().max(0.0);
         let apart_m = if gaps + halves > 0.0 { across_m / (gaps + halves) } else { 0.0 };
         let first_m = extent_m[0] + if has_side[0] { side_m } else { 0.5 * apart_m };
+        // The strips of the first of two families, as wide and as far apart, end where lines of the second do.
+        let crossing = cavity.crossed_by;
+        let crossing = crossing.map(|of| Crossing { grown_m: of.grown_m + 0.5 * apart_m - side_m, ..of });
         let mut lines = Vec::new();
         // Bounded by the size of the cavity over the line distance, so that the cast is exact.
         for line in 0..=gaps as u64 {
             let at_m = first_m + line as f64 * apart_m;
-            let spans_m = match &cavity.face {
-                Some(outline) => outline.spans_m(along, at_m),
-                None => cavity.chord_m(along, at_m).into_iter().collect(),
-            };
+            let (spans_m, first) = (cavity.spans_m(along, at_m), lines.len());
             let point = |along_m: f64| [along_m * dx - at_m * dy, along_m * dy + at_m * dx];
             for [low_m, high_m] in face.chords_along_m(along, at_m) {
                 let inside = spans_m.iter().map(|[from_m, to_m]| [from_m.max(low_m), to_m.min(high_m)]);
-                lines.extend(inside.filter(|[from_m, to_m]| to_m > from_m).map(|ends_m| ends_m.map(point)));
+                let whole = inside.filter(|[from_m, to_m]| to_m > from_m).map(|ends_m| ends_m.map(point));
+                let parts = whole.flat_map(|line| crossing.as_ref().map_or(vec![line], |of| of.parts_of(line)));
+                // A part between two pulses would get none or one.
+                lines.extend(parts.filter(|part| length_m(part) > marking.pulse_m * (1.0 - ROUNDING)));
             }
-        }
-        if let Some(crossing) = cavity.crossed_by {
-            // The strips of the first family, as wide and as far apart, end here.
-            let crossing = Crossing { grown_m: crossing.grown_m + 0.5 * apart_m - side_m, ..crossing };
-            lines = lines.into_iter().flat_map(|line| crossing.parts_of(line)).collect();
-        }
-        for line in lines.iter_mut().skip(1).step_by(2) {
-            line.reverse();
+            if line % 2 == 1 {
+                lines[first..].reverse();
+                lines[first..].iter_mut().for_each(|part| part.reverse());
+            }
         }
         (lines, (gaps > 0.0).then_some(apart_m))
     }
@@ -275,6 +282,32 @@ mod tests {
         let square = first(Planform::Square, &laser());
         assert!((across[8] - across[0] - (square[8][0][1] - square[0][0][1])).abs() < 1e-12, "{across:?}");
         assert!((across[0] + across[8]).abs() < 1e-12 && lines.iter().all(|line| length_m(line) > 4.9e-3));
+    }
+
+    /// A hole cuts lines of the middle groove into two pieces, which are marked one after the other, as one line would be.
+    #[test]
+    fn pieces_of_a_line_have_one_direction_and_hold_a_pulse() {
+        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 5e-6).unwrap();
+        let outline = Outline::Ring { outer_diameter_m: 4e-3, inner_diameter_m: 1.3e-3 };
+        let layout = Layout::clipped(pattern, outline).unwrap();
+        let middle = layout.iter().find(|cavity| cavity.centre_x_m.abs() < 1e-9).unwrap();
+        let lines = Marking::new(&laser()).unwrap().on(&layout).lines(&middle);
+        assert_eq!(lines.len(), 18);
+        for (line, pieces) in lines.chunks(2).enumerate() {
+            let forth = if line % 2 == 0 { 1.0 } else { -1.0 };
+            let ends: Vec<f64> = pieces.iter().flatten().map(|[_, y]| forth * y).collect();
+            assert!(ends.is_sorted() && (pieces[0][0][0] - pieces[1][1][0]).abs() < 1e-12, "{line}: {pieces:?}");
+        }
+        // Near the rim, discs are cut to chords of all lengths.
+        let discs = Pattern::new(Planform::Disc, 130e-6, 70e-6, 5e-6).unwrap();
+        let layout = Layout::clipped(discs, Outline::Disc { diameter_m: 4e-3 }).unwrap();
+        let shortest_m = |laser: &Laser| {
+            let hatch = Marking::new(laser).unwrap().on(&layout);
+            layout.iter().flat_map(|disc| hatch.lines(&disc)).map(|line| length_m(&line)).fold(f64::INFINITY, f64::min)
+        };
+        assert!(shortest_m(&laser()) < 10e-6);
+        let pulsed = Laser { speed_mm_s: Some(10.0), repetition_hz: Some(1e3), ..laser() };
+        assert!(shortest_m(&pulsed) > 9.99e-6);
     }
 
     #[test]

@@ -1,6 +1,5 @@
 //! Conversion of a layout to strips along the sliding direction, for solvers.
 
-use slipgrid_model::pattern::Contour;
 use slipgrid_model::springblock::Strip;
 
 use crate::export::{Cavity, Layout, left_of};
@@ -70,7 +69,7 @@ impl Layout {
         let sliding = self.sliding();
         let mut found: Vec<[f64; 2]> = cavities
             .iter()
-            .flat_map(|cavity| spans_m(cavity, sliding, at_m))
+            .flat_map(|cavity| cavity.spans_m(sliding, at_m))
             .filter_map(|[from_m, to_m]| {
                 let from_m = from_m.max(chord_from_m) - chord_from_m;
                 let to_m = to_m.min(chord_to_m) - chord_from_m;
@@ -101,29 +100,6 @@ fn alike(a: &Strip, b: &Strip) -> bool {
 /// read back has bit-identical strips.
 fn rounded(length_m: f64) -> f64 {
     (length_m * 1e12).round() * 1e-12
-}
-
-/// Intervals of a cavity on a line, in metres along the line. The line runs along the unit vector `along`, `at_m` to
-/// the left of the specimen's centre.
-fn spans_m(cavity: &Cavity, along: [f64; 2], at_m: f64) -> Vec<[f64; 2]> {
-    if let Some(face) = &cavity.face {
-        return face.spans_m(along, at_m);
-    }
-    if cavity.crossed_by.is_some() || !cavity.is_aligned() || along != [1.0, 0.0] {
-        return cavity.chord_m(along, at_m).into_iter().collect();
-    }
-    let half_m = half_width_m(cavity, at_m);
-    half_m.map(|half_m| [cavity.centre_x_m - half_m, cavity.centre_x_m + half_m]).into_iter().collect()
-}
-
-/// Half the length of the line at `y_m` within a cavity with sides along x and y, in metres; `None` if the line misses
-/// the cavity.
-fn half_width_m(cavity: &Cavity, y_m: f64) -> Option<f64> {
-    let across_m = (y_m - cavity.centre_y_m).abs();
-    (across_m < cavity.length_m / 2.0).then(|| match cavity.planform.contour() {
-        Contour::Circle => ((cavity.width_m / 2.0 - across_m) * (cavity.width_m / 2.0 + across_m)).sqrt(),
-        Contour::Rectangle => cavity.width_m / 2.0,
-    })
 }
 
 #[cfg(test)]

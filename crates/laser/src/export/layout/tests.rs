@@ -79,22 +79,7 @@ fn every_cavity_that_fits_whole_is_laid_and_no_other() {
         let mut fitting = 0;
         for (i, j) in (-60..=60).flat_map(|i| (-60..=60).map(move |j| (f64::from(i), f64::from(j)))) {
             for [x_m, y_m] in pattern.centres_m() {
-                let cavity = Cavity {
-                    centre_x_m: x_m + i * cell_x_m,
-                    centre_y_m: y_m + j * cell_y_m,
-                    width_m: pattern.width_m(),
-                    length_m,
-                    orientation: [1.0, 0.0],
-                    planform: pattern.planform(),
-                    cut_by: None,
-                    face: pattern.texture().outline().map(|outline| Face {
-                        outline,
-                        centre_m: [x_m + i * cell_x_m, y_m + j * cell_y_m],
-                        width_m: pattern.width_m(),
-                        inset_m: 0.0,
-                    }),
-                    crossed_by: None,
-                };
+                let cavity = Cavity::new(&pattern, [x_m + i * cell_x_m, y_m + j * cell_y_m], length_m);
                 fitting += usize::from(excess_m(&cavity, &outline) < 1e-12);
             }
         }
@@ -212,7 +197,7 @@ fn area_outline_chords_and_walls_of_every_cavity_agree() {
         for k in 0..LINES {
             let across_m = step(k, cavity.length_m);
             let at_m = cavity.centre_y_m * cosine - cavity.centre_x_m * sine + across_m;
-            let chord_m = cavity.chord_m(along, at_m).map_or(0.0, |[from_m, to_m]| to_m - from_m);
+            let chord_m = cavity.spans_m(along, at_m).iter().map(|[from_m, to_m]| to_m - from_m).sum::<f64>();
             chords_m2 += chord_m * cavity.length_m / f64::from(LINES);
             inside += (0..LINES)
                 .map(|k| step(k, cavity.width_m))
