@@ -32,10 +32,7 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let cavities =
         as_read.as_ref().map(|map| map.measure_cavities(options.how.form, &job)).transpose().map_err(refuse)?;
     let period = args.period_out.as_deref().zip(as_read.as_ref());
-    let period = period
-        .map(|(file, map)| map.mean_cavity_period(options.how.form, &job).map(|period| (file, period)))
-        .transpose()
-        .map_err(refuse)?;
+    let period = period.map(|(file, map)| map.mean_cavity_period(options.how.form, &job).map(|period| (file, period)));
     let mut surface = PreparedMap::new(read, how, &job)
         .and_then(|map| if args.cavities { Ok(map) } else { map.possible() })
         .map_err(|error| refuse_map(&args.map, &error))?;
@@ -57,10 +54,12 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         let outputs = files(&report, &measured, column, &job)?;
         console.keep(&outputs, folder)?;
     }
-    if let Some((file, period)) = &period {
+    if let Some(Ok((file, period))) = &period {
         write_file(file, period_text(period, measured.surface.synthetic).as_bytes())?;
         console.note(&format!("{}: {}", file.display(), period_note(period)));
     }
     console.report(args.json, &report, || report.table())?;
+    // A map without a mean period has its other results.
+    period.transpose().map_err(refuse)?;
     Ok(exit_code::DONE)
 }

@@ -180,7 +180,11 @@ impl Cavities {
 
     /// Warnings that measured lengths may differ from the lengths of the pattern.
     fn warnings(&self) -> impl Iterator<Item = String> {
-        self.unit_warning().into_iter().chain(self.depth_warning()).chain(self.spacing_warnings())
+        self.unit_warning()
+            .into_iter()
+            .chain(self.cut_warning())
+            .chain(self.depth_warning())
+            .chain(self.spacing_warnings())
     }
 
     /// Warns that depths include rims; `None` if the rims are known or too small to matter.
@@ -193,13 +197,32 @@ impl Cavities {
         })
     }
 
+    /// Width and spacing across grooves that are turned by `turn_deg`, in words; `None` for other cavities.
+    fn across(&self, turn_deg: f64) -> Option<String> {
+        let axis = (0..2).find(|axis| self.0.width[1 - axis].is_none())?;
+        let across = |of: Spread| fixed(Some(um(of.mean_m) * turn_deg.to_radians().cos()), 2);
+        let [width, spacing] = [self.0.width[axis]?, self.0.spacing[axis]?].map(across);
+        Some(format!("across the grooves, where the width is {width} um and the spacing {spacing} um"))
+    }
+
+    /// Warns that no cavity ends within the map, as grooves at a large angle to its sides do not.
+    fn cut_warning(&self) -> Option<String> {
+        let is_measured = self.0.width.iter().any(Option::is_some) || self.0.crossing.is_some();
+        (!is_measured).then(|| {
+            "the map's sides cut every cavity, so that no width and no depth is known, and spacings are those along the sides: \
+             measure with the grooves along a side, or a larger map"
+                .to_owned()
+        })
+    }
+
     /// Warnings that measured spacings may differ from the spacings of the pattern.
     fn spacing_warnings(&self) -> impl Iterator<Item = String> {
         let turned = self.0.turned_deg.map(|turn| {
-            let angle = fixed(Some(turn.value.abs()), 1);
+            let angle = fixed(Some(turn.value), 1);
             format!(
-                "the cavities are turned by {angle} degrees on the map: widths and spacings are those along the map's sides, \
-                 not along rows or across grooves"
+                "the cavities are turned by {angle} degrees on the map, from x towards y: widths and spacings are those along the map's \
+                 sides, not {}",
+                self.across(turn.value).unwrap_or_else(|| "along rows or across grooves".to_owned())
             )
         });
         let scattered = ["x", "y"].into_iter().zip(&self.0.spacing).filter_map(|(axis, spacing)| {
@@ -319,12 +342,27 @@ mod tests {
         let turned = squares(&grid(8.0), 8.0);
         assert!(turned.table().contains("\n! the cavities are turned by 8.0 degrees on the map"), "{}", turned.table());
         assert!(turned.words().iter().any(|words| words.starts_with("The cavities are turned by 8.0")));
-        let slanted = |n: u32| 2.0 * f64::from(n / 300) + 5.0_f64.to_radians().tan() * 2.0 * f64::from(n % 300);
-        let height = |n| if slanted(n).rem_euclid(150.0) < 60.0 { -5e-6 } else { 0.0 };
-        let map = HeightMap::new(300, 300, 2e-6, 2e-6, (0..90_000).map(height).collect()).unwrap();
-        let grooves = Cavities(map.measure_cavities(Form::Plane, &slipgrid_base::monitor::Unwatched).unwrap());
-        let said = grooves.table();
-        assert!(said.contains("\n! the cavities are turned by 5.0 degrees on the map: "), "{said}");
+        // Grooves 59.8 um wide every 149.4 um, the walls 4 um wide.
+        let grooves = |turn_deg: f64| {
+            let (sin, cos) = turn_deg.to_radians().sin_cos();
+            let across = |n: u32| 2.0 * (cos * f64::from(n / 300) + sin * f64::from(n % 300));
+            let inside_um = |n: u32| 29.9 - (across(n).rem_euclid(149.4) - 74.7).abs();
+            let height = |n: u32| -5e-6 * (0.5 + inside_um(n) / 4.0).clamp(0.0, 1.0);
+            let map = HeightMap::new(300, 300, 2e-6, 2e-6, (0..90_000).map(height).collect()).unwrap();
+            Cavities(map.measure_cavities(Form::Plane, &slipgrid_base::monitor::Unwatched).unwrap()).table()
+        };
+        for (turn_deg, words) in [(5.0, "5.0"), (-12.0, "-12.0")] {
+            let said = grooves(turn_deg);
+            assert!(
+                said.contains(&format!("\n! the cavities are turned by {words} degrees on the map, from x ")),
+                "{said}"
+            );
+            let (_, across) = said.split_once("not across the grooves, where the width is ").unwrap();
+            let numbers: Vec<f64> = across.split(' ').filter_map(|word| word.parse().ok()).take(2).collect();
+            assert!((numbers[0] - 59.8).abs() < 0.1 && (numbers[1] - 89.6).abs() < 0.1, "{said}");
+        }
+        let said = grooves(45.0);
+        assert!(said.contains("\n! the map's sides cut every cavity, so that no width"), "{said}");
         // Columns of squares at distances of 60, 60 and 300 um.
         let uneven: Vec<[f64; 2]> =
             (0..12).map(|n| [[60.0, 120.0, 180.0, 480.0][n % 4], 100.0 + 150.0 * (n / 4) as f64]).collect();
