@@ -15,6 +15,11 @@ impl Document {
             let mut refused = self.refuse(self.value_span(&span, written), "is not a known key");
             refused.value = None;
             refused.suggestion = nearest(written, known.iter().copied()).map(Into::into);
+            // In a design file, these keys limit the search and stand beside [laser].
+            if known.contains(&"ablation") && ["depth_per_burst_um", "min_land_um"].contains(&written) {
+                refused.suggestion = None;
+                return refused.expected(format!("{written} in [limits]"));
+            }
             return refused.expected(format!("one of {}", known.join(", ")));
         }
         if let Some((written, known)) = unknown(message, "variant") {
