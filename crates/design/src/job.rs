@@ -152,7 +152,8 @@ fn reported(
     }
 
     let laid = task.specimen.layout(pattern).map_err(|error| DesignError::refused(error.to_string()))?;
-    let removal = Removal::new(&laid, &task.laser);
+    let depth_std_um = task.assumed_tolerances().and_then(|of| of.depth_um);
+    let removal = Removal::new(&laid, &task.laser).map(|removal| removal.with_depth_tolerance(depth_std_um));
     let section = search.models.own.dimension().section_of(&pattern);
     let measured_mpa = task.measured_mpa(&prepared.material, &prepared.outside);
     let mut said = confirmed.statements.clone();

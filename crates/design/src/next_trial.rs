@@ -279,7 +279,9 @@ pub fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a 
     let of = |(number, pattern): (usize, &'a Pattern)| {
         let broken = task.constraints.limits.violations(pattern);
         let mut warnings: Vec<String> = broken.iter().map(ToString::to_string).collect();
-        warnings.extend(task.laser.check_depth(pattern.depth_m()).err().map(|error| error.to_string()));
+        // Warnings about passes name the speed that makes the depth.
+        let part_burst = task.laser.check_depth(pattern).err().filter(|_| !task.laser.has_passes());
+        warnings.extend(part_burst.map(|error| error.to_string()));
         let layout = task.specimen.layout(*pattern).ok();
         warnings
             .extend(layout.into_iter().flat_map(|layout| slipgrid_laser::export::laser_warnings(&layout, &task.laser)));

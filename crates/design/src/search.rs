@@ -376,7 +376,7 @@ impl Search<'_> {
             let pattern = self.task.space.pattern(lengths_m).ok()?;
             // Measured depths need not be whole bursts.
             let is_makeable = self.task.constraints.limits.violations(&pattern).is_empty()
-                && self.task.laser.check_depth(pattern.depth_m()).is_ok();
+                && self.task.laser.check_depth(&pattern).is_ok();
             (self.is_within_bounds(&pattern) && is_makeable && is_same(features, &Features::from(&pattern)))
                 .then_some(pattern)
         };

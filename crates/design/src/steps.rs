@@ -23,12 +23,15 @@ pub type Place = [usize; 3];
 pub struct Steps<'a> {
     task: &'a DesignTask,
     axes: [Vec<f64>; 3],
+    /// Factor of the depths at each width.
+    factors: Vec<f64>,
 }
 
 impl<'a> Steps<'a> {
     /// Creates the lattice of `task`.
     pub fn new(task: &'a DesignTask) -> Self {
-        Self { task, axes: axes(task) }
+        let (axes, factors) = axes(task);
+        Self { task, axes, factors }
     }
 
     /// Returns all designs, or at most `most` of them spread evenly over the bounds, without those that the laser
@@ -57,12 +60,21 @@ impl<'a> Steps<'a> {
     pub fn place(&self, design: &Pattern) -> Option<Place> {
         let lengths_m = design.lengths_m();
         let along = |axis: usize| self.axes[axis].binary_search_by(|node| node.total_cmp(&lengths_m[axis])).ok();
-        Some([along(0)?, along(1)?, along(2)?])
+        let [width, spacing] = [along(0)?, along(1)?];
+        let depth_m = |node: &f64| node * self.factors[width];
+        let depth = self.axes[2].binary_search_by(|node| depth_m(node).total_cmp(&lengths_m[2])).ok()?;
+        Some([width, spacing, depth])
     }
 
     /// Design at `place`; `None` if the laser cannot cut it.
     fn design(&self, place: Place) -> Option<Pattern> {
-        let design = self.task.space.pattern(std::array::from_fn(|axis| self.axes[axis][place[axis]])).ok()?;
+        let mut lengths_m = std::array::from_fn(|axis| self.axes[axis][place[axis]]);
+        lengths_m[2] *= self.factors[place[0]];
+        let [shallowest_m, deepest_m] = self.task.space.depth_m();
+        if !(shallowest_m..=deepest_m).contains(&lengths_m[2]) {
+            return None;
+        }
+        let design = self.task.space.pattern(lengths_m).ok()?;
         self.task.constraints.limits.violations(&design).is_empty().then_some(design)
     }
 
@@ -150,6 +162,7 @@ mod tests {
     use super::*;
     use crate::tests::task;
     use slipgrid_base::monitor::Unwatched;
+    use slipgrid_laser::export::Removal;
     use slipgrid_model::pattern::Planform;
 
     #[test]
@@ -180,6 +193,34 @@ mod tests {
         assert!((design.width_m() - 140e-6).abs() < 1e-9 && (design.spacing_m() - 280e-6).abs() < 1e-9, "{design:?}");
         assert!((design.depth_m() - 16e-6).abs() < 1e-9 && asked < 400, "{asked}");
         assert_eq!(ended(26).1, 27);
+    }
+
+    /// Lines are nearer in some widths than in others, and a pass over them is deeper.
+    #[test]
+    fn depths_are_whole_passes_over_the_lines_of_each_width() {
+        let mut task = task(Planform::Groove);
+        task.laser = slipgrid_laser::export::Laser {
+            spot_um: Some(25.0),
+            depth_per_burst_um: Some(1.0),
+            repetition_hz: Some(20e3),
+            speed_mm_s: Some(200.0),
+            ..task.laser
+        };
+        let steps = Steps::new(&task);
+        let mut passes_um = Vec::new();
+        for design in steps.every(1) {
+            let removal = Removal::new(&task.specimen.layout(design).unwrap(), &task.laser).unwrap();
+            let depth_um = 1e6 * design.depth_m();
+            assert!((removal.depth_um / depth_um - 1.0).abs() < 1e-3 && removal.warnings.is_empty(), "{removal:?}");
+            assert_eq!(steps.design(steps.place(&design).unwrap()), Some(design));
+            passes_um.push(removal.depth_per_pass_um);
+        }
+        let [least_um, most_um] = slipgrid_base::statistics::extremes(passes_um);
+        assert!(least_um > 1.9 && most_um > 1.2 * least_um, "{least_um} {most_um}");
+        // The speed makes a fixed depth.
+        let [width_m, spacing_m, _] = task.space.lengths_m();
+        task.space = crate::optimize::DesignSpace::new(Planform::Groove, width_m, spacing_m, [7.77e-6; 2]).unwrap();
+        assert!(Steps::new(&task).every(1).all(|design| design.depth_m() == 7.77e-6));
     }
 
     #[test]

@@ -1,5 +1,6 @@
-//! Designs within the bounds, with width and spacing in whole blocks and depth in whole bursts.
+//! Designs within the bounds, with width and spacing in whole blocks and depth in whole bursts or passes.
 
+use slipgrid_base::units::LENGTH_UM;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Dimension;
 
@@ -14,8 +15,10 @@ const MAX_NODES: usize = 1_000_000;
 /// Tolerance for rounding at bounds that are whole steps, as a fraction of a step.
 const WHOLE: f64 = 1e-6;
 
-/// Returns the widths, spacings and depths in whole blocks and bursts within the bounds of `design`, in metres.
-pub fn axes(design: &DesignTask) -> [Vec<f64>; 3] {
+/// Returns the widths, spacings and depths in whole blocks and bursts within the bounds of `design`, in metres, and a
+/// factor of the depths for each width. The factor is 1, or the depth of a pass over the lines in this width; depths are then
+/// numbers of passes, some of which lie beyond the bounds. A fixed depth is kept: the speed of the laser makes it.
+pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], Vec<f64>) {
     let (space, block_m) = (&design.space, design.layer.block_m);
     let burst_m = design.constraints.limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M);
     let axis = |[lower_m, upper_m]: [f64; 2], step_m: f64| -> Vec<f64> {
@@ -29,7 +32,17 @@ pub fn axes(design: &DesignTask) -> [Vec<f64>; 3] {
         // If the bounds lie between two steps, the bounds and their middle are used.
         if whole.is_empty() { vec![lower_m, f64::midpoint(lower_m, upper_m), upper_m] } else { whole }
     };
-    [axis(space.width_m(), block_m), axis(space.spacing_m(), block_m), axis(space.depth_m(), burst_m)]
+    let [widths_m, spacings_m] = [space.width_m(), space.spacing_m()].map(|bounds_m| axis(bounds_m, block_m));
+    let [shallowest_m, deepest_m] = space.depth_m();
+    let pattern = |width_m: &f64| space.pattern([*width_m, space.spacing_m()[1], shallowest_m]).ok();
+    let pass_m = |width_m| Some(LENGTH_UM.to_si(design.laser.depth_step_um(&pattern(width_m)?)?));
+    if design.laser.has_passes() && shallowest_m < deepest_m {
+        let passes_m: Vec<f64> = widths_m.iter().map(|width_m| pass_m(width_m).unwrap_or(1.0)).collect();
+        let least_m = passes_m.iter().copied().fold(1.0, f64::min);
+        return ([widths_m, spacings_m, (1..=(deepest_m / least_m) as u32).map(f64::from).collect()], passes_m);
+    }
+    let factors = vec![1.0; widths_m.len()];
+    ([widths_m, spacings_m, axis(space.depth_m(), burst_m)], factors)
 }
 
 /// All designs in whole blocks and bursts within bounds and limits of the laser, width varying slowest. Stops after a

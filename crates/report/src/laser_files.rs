@@ -6,7 +6,7 @@ use std::sync::Arc;
 use slipgrid_design::{DesignTask, NextTrials};
 use slipgrid_io::formats::trials::sector_trials;
 use slipgrid_laser::export::{
-    ExportError, GcodePlan, Heading, HeightMap, Layout, Marking, ProcessInput, ProcessSheet, Removal, Sector,
+    ExportError, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, ProcessInput, ProcessSheet, Removal, Sector,
     SectorsSheet, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv, height_map, hpgl, stl, svg,
     svg_of_sectors,
 };
@@ -120,7 +120,7 @@ pub fn draw_with(
 ) -> Result<Vec<Unwritten>, ExportError> {
     let layout = input.outline.layout(input.pattern)?;
     input.about.laser.validate()?;
-    input.about.laser.check_depth(input.pattern.depth_m())?;
+    check_bursts(&input.about.laser, &input.pattern)?;
     let drawing = Arc::new(Drawing { drawn: layout, about: input.about.clone() });
     let mut unwritten = Vec::new();
     for (place, &format) in formats.iter().enumerate() {
@@ -218,12 +218,17 @@ pub(crate) fn about(task: &DesignTask, name: &str, material: &Provenance) -> Pro
     }
 }
 
+/// Checks that the depth of `pattern` is whole bursts. Of passes the sheet tells the speed that makes any depth.
+fn check_bursts(laser: &Laser, pattern: &Pattern) -> Result<(), ExportError> {
+    if laser.has_passes() { Ok(()) } else { laser.check_depth(pattern) }
+}
+
 /// Files of `sectors`, each with the metadata `about` the specimen.
 fn draw_sectors(sectors: &[Sector], about: ProcessInput) -> Result<Outputs, ExportError> {
     let mut outputs = Outputs::default();
     let laser = about.laser;
     laser.validate()?;
-    sectors.iter().try_for_each(|sector| laser.check_depth(sector.pattern().depth_m()))?;
+    sectors.iter().try_for_each(|sector| check_bursts(&laser, sector.pattern()))?;
     let sheet = SectorsSheet::new(sectors, about.clone())?;
     let patterns: Vec<Pattern> = sectors.iter().map(|sector| *sector.pattern()).collect();
     let densities: Vec<f64> = sectors.iter().map(Sector::areal_density).collect();

@@ -17,7 +17,7 @@ use slipgrid_model::material::ConditionRange;
 use slipgrid_model::pattern::{Pattern, Texture};
 use slipgrid_model::springblock::Dimension;
 
-use read::{read_date, read_limits, read_material_input, read_ranges, whole_steps};
+use read::{read_date, read_limits, read_material_input, read_ranges, whole_bursts};
 
 use super::file_kind::FileKind;
 use super::laser::{LaserFile, check_fits, read_laser, read_specimen, unmeasured_fluence};
@@ -196,7 +196,7 @@ impl Design {
             search.dimensions.or_else(|| (each.len() > 1).then(|| Dimension::required_for(&each).number()));
         let limits = &file.limits;
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
-        let depth_m = whole_steps(depth_m, &laser);
+        let depth_m = whole_bursts(depth_m, &laser);
         let space = DesignSpace::new(texture, width_m, spacing_m, depth_m)
             .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
         let limits = read_limits(&document, &file, &laser, &texture, (width_m, spacing_m, depth_m))?;

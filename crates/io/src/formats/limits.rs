@@ -21,8 +21,8 @@ pub struct LimitsFile {
     /// Depth that one burst removes, measured in a cavity with the hatch of the design: where lines overlap, a burst on
     /// each spot removes more than a single spot shows. Cavity depths are whole multiples of this depth. If `[laser]`
     /// has a spot, a speed and a repetition rate, the key is the depth of a single spot, and cavity depths are whole
-    /// multiples of the depth that one pass over an endless hatch removes: `depth_per_burst_um` times the bursts that
-    /// reach a point in a pass.
+    /// multiples of the depth that one pass over the lines of a cavity removes in its middle. A fixed depth is kept; the
+    /// process sheet tells the speed that makes it.
     pub depth_per_burst_um: Option<Number>,
     /// Maximum pressure on a contact block at the block size of `[sample]`, at every target pressure: in the steady
     /// cell of every design, and in the confirming run of the specimen, whose outer lands may bear a higher pressure.

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::{ManufacturingLimits, Pattern};
 
+use crate::export::removal::CavityHatch;
 use crate::export::{Ablation, ExportError, all_positive, six_digits};
 
 /// Method by which the laser exposes a cavity.
@@ -156,11 +157,22 @@ impl Laser {
         Some(std::f64::consts::FRAC_PI_4 * spot_um * spot_um / (self.pulse_distance_um()? * self.line_distance_um()?))
     }
 
-    /// Depth of the smallest exposure, in um: one pass over an infinite hatch if passes over lines give the depth,
-    /// otherwise one burst. Depths of designs are multiples of this step; [`crate::export::Removal`] plans the passes
-    /// inside a cavity. `None` without a depth per burst.
-    pub fn depth_step_um(&self) -> Option<f64> {
-        Some(self.depth_per_burst_um? * self.bursts_per_pass().unwrap_or(1.0))
+    /// Depth of one pass over an infinite hatch, in um; `None` if bursts give the depth, and without a depth per burst.
+    pub(crate) fn infinite_pass_um(&self) -> Option<f64> {
+        Some(self.depth_per_burst_um? * self.bursts_per_pass()?)
+    }
+
+    /// Depth of the smallest exposure of cavities of `pattern`, in um: what one pass over their lines removes in their
+    /// middle if passes give the depth, otherwise one burst. Depths of designs are multiples of this step, which depends
+    /// on width because lines are spread evenly over it. `None` without a depth per burst.
+    pub fn depth_step_um(&self, pattern: &Pattern) -> Option<f64> {
+        let Some(infinite_um) = self.infinite_pass_um() else { return self.depth_per_burst_um };
+        CavityHatch::of_pattern(pattern, self).map_or(Some(infinite_um), |cavity| cavity.per_pass_um(self))
+    }
+
+    /// Whether passes over lines give the depth.
+    pub fn has_passes(&self) -> bool {
+        self.infinite_pass_um().is_some()
     }
 
     /// Relative standard error of the depth per burst; `None` unless the depth was fitted against fluence.
@@ -169,17 +181,18 @@ impl Laser {
         std.filter(|std| *std > 0.0)
     }
 
-    /// Checks that a depth is a multiple of the depth of a pass or burst, within 0.005 um.
+    /// Checks that the depth of `pattern` is a multiple of the depth of a pass or burst, within 0.005 um.
     ///
     /// # Errors
     /// [`ExportError::Refused`] for any other depth.
-    pub fn check_depth(&self, depth_m: f64) -> Result<(), ExportError> {
-        let Some(step_um) = self.depth_step_um() else { return Ok(()) };
-        let (depth_um, steps) = (depth_m * 1e6, (depth_m * 1e6 / step_um).round().max(1.0));
+    pub fn check_depth(&self, pattern: &Pattern) -> Result<(), ExportError> {
+        let Some(step_um) = self.depth_step_um(pattern) else { return Ok(()) };
+        let depth_um = pattern.depth_m() * 1e6;
+        let steps = (depth_um / step_um).round().max(1.0);
         if (depth_um - steps * step_um).abs() <= STEP_TOLERANCE_UM {
             return Ok(());
         }
-        let of = if self.bursts_per_pass().is_some() { "passes" } else { "bursts" };
+        let of = if self.has_passes() { "passes" } else { "bursts" };
         Err(ExportError::Refused(format!(
             "the depth of {} um is no whole number of {of} of {} um: expected for instance {} um",
             six_digits(depth_um),

@@ -210,6 +210,9 @@ impl ProcessSheet {
             let names = ["tolerance width_um", "tolerance spacing_um", "tolerance depth_um"];
             all_positive(names.into_iter().zip([width_um, spacing_um, depth_um]))?;
         }
+        let mut work = WorkSheet { warnings: burst_warnings(layout, &laser), ..WorkSheet::new(layout, &laser) };
+        let depth_std_um = tolerances.as_ref().and_then(|of| of.depth_um);
+        work.removal = work.removal.map(|removal| removal.with_depth_tolerance(depth_std_um));
         let pattern = layout.pattern();
         Ok(Self {
             name,
@@ -229,7 +232,7 @@ impl ProcessSheet {
                 cavity_volume_mm3: six_digits(removed_volume_m3(layout, &laser) * 1e9),
             },
             laser,
-            work: WorkSheet { warnings: burst_warnings(layout, &laser), ..WorkSheet::new(layout, &laser) },
+            work,
             material: (&material).into(),
         })
     }

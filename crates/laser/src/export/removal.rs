@@ -11,16 +11,18 @@
 //!
 //! For an infinite hatch with the line distance h, z is N d (pi/4) s^2 / (p h). Depth increases over the width of a
 //! spot across the edge of a cavity, where it is half of that in the middle, and evenly spaced lines may be closer than
-//! h. As measured on a surface, the width is that at half depth, and the depth the mean over the middle third of it.
+//! h. As measured on a surface, the width is that at half depth (of a round cavity, the diameter of the disc with the
+//! area at half depth), and the depth the mean over the middle third of a width.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use slipgrid_model::pattern::Contour;
+use slipgrid_base::statistics::extremes;
+use slipgrid_model::pattern::{Contour, Pattern};
 
 use crate::export::marking::length_m;
 use crate::export::{
-    Cavity, Laser, Layout, Line, MICROMETRE_DECIMALS, Marking, decimal, micrometres, round_decimals, six_digits,
-    unreached,
+    Cavity, Laser, Layout, Line, MICROMETRE_DECIMALS, Marking, Outline, decimal, micrometres, round_decimals,
+    six_digits, unreached,
 };
 
 /// Range of a cavity's width that counts as its middle, as fractions.
@@ -29,8 +31,8 @@ const MIDDLE_RANGE: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 const SAMPLE_POINTS: u32 = 400;
 /// Number of bins of the depth profile between the edge and the middle of a cavity on a process sheet.
 const LISTED_BINS: u32 = 8;
-/// Number of rounds for width and depth, of which each depends on the other; a round divides errors by ten or more.
-const WIDTH_ROUNDS: u32 = 6;
+/// Number of rows in which the area of a round cavity at half depth is sampled.
+const ROWS: u32 = 60;
 /// Relative deviation from width or depth of the design above which a warning is given.
 const WARNED_DEVIATION: f64 = 0.05;
 /// Relative tolerance for equal lengths of lines.
@@ -43,24 +45,28 @@ const MAX_PASSES: f64 = 1e9;
 #[serde(deny_unknown_fields)]
 pub struct Removal {
     /// Passes over every line, chosen for the best match with the depth of the design in the middle third of a cavity's
-    /// width at half depth, where depth is measured.
+    /// width, where depth is measured.
     pub passes: u32,
     /// Depth removed by one pass in the middle third.
     pub depth_per_pass_um: f64,
     /// Depth removed by all passes in the middle third.
     pub depth_um: f64,
+    /// Least and greatest depth of all passes in the middle third, between lines and on them.
+    #[serde(default)]
+    pub floor_um: [f64; 2],
     /// Removed volume over the area of the cavities.
     pub mean_depth_um: f64,
-    /// Width that is made, across the lines at half depth.
+    /// Width that is made, across the lines at half depth; of a disc, the diameter of the disc with the area at half
+    /// depth.
     pub width_um: f64,
-    /// Distance over which depth increases from zero to that in the middle: one spot, half of it on either side of a
-    /// cavity's edge.
+    /// Distance over which depth increases from zero to that in the middle if lines are much nearer than the spot is wide:
+    /// one spot, half of it on either side of a cavity's edge. Lines farther apart make steps in it.
     pub edge_ramp_um: f64,
     /// Speed at which this number of passes makes the depth of the design; omitted if pulses would be farther apart
     /// than the spot is wide.
     pub speed_for_depth_mm_s: Option<f64>,
-    /// Deviations by more than 5 % from width and depth of the design, and areas that the spot does not reach, with
-    /// remedies.
+    /// Deviations by more than 5 % from width and depth of the design, floors uneven by more than the tolerance of the
+    /// depth, and areas that the spot does not reach, with remedies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
@@ -69,8 +75,25 @@ impl Removal {
     /// Computes the removal for all cavities of `layout`; `None` if bursts on spots or a mask give the depth, or if
     /// laser parameters are missing.
     pub fn new(layout: &Layout, laser: &Laser) -> Option<Self> {
-        laser.depth_step_um().filter(|_| laser.bursts_per_pass().is_some())?;
-        Hatched::new(layout, &Marking::new(laser).ok()?).removal(layout, laser)
+        laser.infinite_pass_um()?;
+        LayoutHatch::new(layout, &Marking::new(laser).ok()?).removal(layout, laser)
+    }
+
+    /// Warns of a floor that departs from the depth in the middle by more than the standard deviation of the depth that
+    /// the design assumes, beyond which the design's interval of samples does not hold. No warning without tolerances.
+    #[must_use]
+    pub fn with_depth_tolerance(mut self, std_um: Option<f64>) -> Self {
+        let [least_um, greatest_um] = self.floor_um;
+        let off_um = (self.depth_um - least_um).max(greatest_um - self.depth_um);
+        if let Some(std_um) = std_um.filter(|std_um| off_um > *std_um) {
+            self.warnings.push(format!(
+                "the floor between lines and on them is {} to {} um deep, uneven by more than the depth's tolerance of {std_um} um: lines \
+                 nearer to each other even it out (hatch_um)",
+                decimal(least_um, 1),
+                decimal(greatest_um, 1)
+            ));
+        }
+        self
     }
 
     /// Describes the depth that a pass and all passes remove, in the middle of a cavity and on average.
@@ -88,7 +111,7 @@ impl Removal {
 }
 
 /// All lines on a specimen, with the data from which depths are computed.
-pub(crate) struct Hatched {
+pub(crate) struct LayoutHatch {
     pub(crate) lines: u64,
     pub(crate) length_m: f64,
     /// Smallest and largest distance between neighbouring lines in a cavity, in metres; `None` if no cavity has two
@@ -96,37 +119,29 @@ pub(crate) struct Hatched {
     pub(crate) apart_m: Option<[f64; 2]>,
     /// Number and area, in square metres, of cavities without a line.
     bare: (u32, f64),
-    /// First cavity with the greatest total length of lines, which represents all cavities, and its lines; `None` if
-    /// all lines have zero length.
-    one: Option<(Cavity, Vec<Line>)>,
-    /// Radius of the spot, in metres.
     half_spot_m: f64,
-    /// Section of the cavity `one` along which depth is sampled; `None` without such a cavity.
-    section: Option<Section>,
-    /// What is made along the section; `None` without depth.
-    made: Option<Made>,
+    /// First cavity with the greatest total length of lines, which represents all cavities; `None` without depth.
+    pub(crate) cavity: Option<CavityHatch>,
 }
 
-/// A cavity as it is measured along its section.
-struct Made {
-    /// Width at half depth, in metres.
-    width_m: f64,
-    /// Mean length of lines within half a spot of a point in the middle third of this width, in metres.
-    reach_m: f64,
-    /// The middle third, as fractions of the section.
-    middle: [f64; 2],
+/// A hatched cavity in the axes of its lines: u along them, v across, to their left, in metres.
+pub(crate) struct CavityHatch {
+    cavity: Cavity,
+    along: [f64; 2],
+    /// v and both ends of each line, ascending.
+    lines: Vec<[f64; 3]>,
+    /// Distance between neighbouring lines; 0 of a single one.
+    apart_m: f64,
+    half_spot_m: f64,
+    /// u of the straight section across the cavity, through the middle of its longest line, along which depth is sampled.
+    section_m: f64,
+    /// v of both edges of the cavity on the section.
+    edges_m: [f64; 2],
+    /// Mean length of lines within half a spot of a point in the middle third of the section.
+    middle_m: f64,
 }
 
-/// Straight section across a cavity from edge to edge, through the middle of its longest line and at right angles to
-/// it.
-struct Section {
-    from_m: [f64; 2],
-    /// Unit vector along the section.
-    across: [f64; 2],
-    width_m: f64,
-}
-
-impl Hatched {
+impl LayoutHatch {
     pub(crate) fn new(layout: &Layout, marking: &Marking) -> Self {
         let (mut lines, mut length, mut most_m, mut one) = (0, 0.0, 0.0, None);
         let mut apart_m: Option<[f64; 2]> = None;
@@ -145,104 +160,28 @@ impl Hatched {
             lines += own.len() as u64;
             length += own_m;
             if own_m > most_m * (1.0 + LENGTH_TOLERANCE) {
-                (most_m, one) = (own_m, Some((cavity, own)));
+                (most_m, one) = (own_m, Some((cavity, own, distance_m)));
             }
         }
-        let across = |(cavity, own): &(Cavity, Vec<Line>)| Section::across(cavity, own, marking.direction(cavity));
-        let section = one.as_ref().and_then(across);
-        let half_spot_m = marking.half_spot_m;
-        let mut of = Self { lines, length_m: length, apart_m, bare, one, half_spot_m, section, made: None };
-        of.made = of.section.as_ref().and_then(|section| of.measured(section));
-        of
+        let cavity = one.and_then(|(cavity, own, apart_m)| CavityHatch::new(cavity, &own, apart_m, marking));
+        Self { lines, length_m: length, apart_m, bare, half_spot_m: marking.half_spot_m, cavity }
     }
 
-    /// Distance of the outermost line from the edge of a cavity, in metres; `None` without a section.
-    pub(crate) fn outermost_m(&self) -> Option<f64> {
-        let (section, (_, lines)) = self.section.as_ref().zip(self.one.as_ref())?;
-        let at_m = |[from, _]: &Line| -> f64 {
-            (0..2).map(|axis| (from[axis] - section.from_m[axis]) * section.across[axis]).sum()
-        };
-        lines.iter().map(at_m).filter(|at_m| *at_m >= 0.0).min_by(f64::total_cmp)
-    }
-
-    /// Measures width and depth along `section`; `None` if there is no depth in the middle.
-    fn measured(&self, section: &Section) -> Option<Made> {
-        let at_share = |share: f64| self.mean_of_lines(section, [share; 2], 1, |within_m| within_m);
-        let reach = self.half_spot_m / section.width_m;
-        let step = (1.0 + 2.0 * reach) / f64::from(SAMPLE_POINTS);
-        let profile: Vec<f64> = (0..=SAMPLE_POINTS).map(|k| at_share(f64::from(k) * step - reach)).collect();
-        let mut made = Made { width_m: section.width_m, reach_m: 0.0, middle: MIDDLE_RANGE };
-        for _ in 0..WIDTH_ROUNDS {
-            made.reach_m = self.mean_of_lines(section, made.middle, SAMPLE_POINTS, |within_m| within_m);
-            let level_m = 0.5 * made.reach_m;
-            // Both outermost points of half depth, interpolated; another arm of a polygon may reach the ends.
-            let is_deep = |depth_m: &f64| *depth_m > level_m;
-            let [first, last] = [profile.iter().position(is_deep)?, profile.iter().rposition(is_deep)?];
-            let at = |deep: usize, shallow: usize| {
-                let share = profile.get(shallow).map_or(0.0, |z| (profile[deep] - level_m) / (profile[deep] - z));
-                (deep as f64 + share * (shallow as f64 - deep as f64)) * step - reach
-            };
-            let [from, to] = [at(first, first.wrapping_sub(1)), at(last, last + 1)];
-            made.width_m = (to - from) * section.width_m;
-            made.middle = MIDDLE_RANGE.map(|share| from + share * (to - from));
-        }
-        Some(made)
-    }
-
-    /// Warnings about areas that the spot does not reach.
-    pub(crate) fn unreached_warnings(&self, layout: &Layout) -> Vec<String> {
-        let Some((made, share)) = self.made.as_ref().zip(self.made_share()) else { return Vec::new() };
-        let mut warnings = unreached::warnings(layout, self.half_spot_m, self.bare, share);
-        let wanted_m = self.section.as_ref().map_or(made.width_m, |section| section.width_m);
-        if let Some(off) = off(made.width_m, wanted_m) {
+    /// Warnings about width, floor and areas that the spot does not reach.
+    fn shape_warnings(&self, layout: &Layout) -> Vec<String> {
+        let Some(cavity) = &self.cavity else { return Vec::new() };
+        let mut warnings = unreached::warnings(layout, self.half_spot_m, self.bare, cavity.made_share());
+        let [made_m, wanted_m] = [cavity.width_m(), cavity.section_width_m()];
+        if let Some(off) = off(made_m, wanted_m) {
             warnings.push(format!(
-                "lines make cavities {} um wide at half depth, {off} of the design's {} um, as the spot is {} um wide: a smaller spot \
+                "across the lines, cavities are {} um wide at half depth, {off} of the design's {} um, as the spot is {} um wide: a smaller spot \
                  or wider cavities come nearer",
-                decimal(made.width_m * 1e6, 1),
+                decimal(made_m * 1e6, 1),
                 decimal(wanted_m * 1e6, 1),
                 decimal(2e6 * self.half_spot_m, 1)
             ));
         }
         warnings
-    }
-
-    /// Fraction of a cavity that is at least half as deep as its middle; `None` without depth.
-    pub(crate) fn made_share(&self) -> Option<f64> {
-        let ((one, lines), made) = self.one.as_ref().zip(self.made.as_ref())?;
-        let reach_m = |at_m: [f64; 2]| lines.iter().map(|line| within_m(line, at_m, self.half_spot_m)).sum::<f64>();
-        Some(unreached::share(one, |at_m| reach_m(at_m) >= 0.5 * made.reach_m))
-    }
-
-    /// Mean over `points` of a part of `section`, from `from` to `to` as fractions of its width, of a sum over lines:
-    /// each line adds `of(length)` for the length, in metres, of its part within half a spot of the point.
-    fn mean_of_lines(&self, section: &Section, [from, to]: [f64; 2], points: u32, of: fn(f64) -> f64) -> f64 {
-        let at_point = |k: u32| -> f64 {
-            let at_m = section.width_m * (from + (to - from) * (f64::from(k) + 0.5) / f64::from(points));
-            let at = [0, 1].map(|axis| section.from_m[axis] + at_m * section.across[axis]);
-            let lines = self.one.iter().flat_map(|(_, lines)| lines);
-            lines.map(|line| of(within_m(line, at, self.half_spot_m))).sum()
-        };
-        (0..points).map(at_point).sum::<f64>() / f64::from(points)
-    }
-
-    /// Mean number of lines within half a spot of a point, over the middle third of the width that is made;
-    /// `None` without a section.
-    pub(crate) fn exposures(&self) -> Option<f64> {
-        let is_within = |within_m: f64| if within_m > 0.0 { 1.0 } else { 0.0 };
-        Some(self.mean_of_lines(self.section.as_ref()?, self.made.as_ref()?.middle, SAMPLE_POINTS, is_within))
-    }
-
-    /// Depth profile of `passes` between an edge and the middle of a cavity, in um: for each bin, the distance from the
-    /// edge at which it ends and its mean depth. `None` without a section or if laser parameters are missing.
-    pub(crate) fn across_um(&self, laser: &Laser, passes: u32) -> Option<Vec<[f64; 2]>> {
-        let section = self.section.as_ref()?;
-        let scale = f64::from(passes) * laser.depth_per_burst_um? / laser.pulse_distance_um()?;
-        let share = |k: u32| 0.5 * f64::from(k) / f64::from(LISTED_BINS);
-        let up_to = |k: u32| {
-            let depth_m = scale * self.mean_of_lines(section, [share(k - 1), share(k)], SAMPLE_POINTS, |m| m);
-            [micrometres(section.width_m * share(k)), micrometres(depth_m)]
-        };
-        Some((1..=LISTED_BINS).map(up_to).collect())
     }
 
     /// Volume removed by `passes`, in cubic metres; `None` if laser parameters are missing.
@@ -256,9 +195,7 @@ impl Hatched {
     /// Depth of one pass in the middle of a cavity, in um: without a line that of an infinite hatch; `None` if laser
     /// parameters are missing.
     fn per_pass_um(&self, laser: &Laser) -> Option<f64> {
-        let Some(made) = &self.made else { return laser.depth_step_um() };
-        // z / N = (d / p) <length of lines within s/2>
-        Some(laser.depth_per_burst_um? / laser.pulse_distance_um()? * made.reach_m * 1e6)
+        self.cavity.as_ref().map_or_else(|| laser.infinite_pass_um(), |cavity| cavity.per_pass_um(laser))
     }
 
     /// Number of passes that comes nearest to the depth of the design; `None` if laser parameters are missing.
@@ -273,18 +210,17 @@ impl Hatched {
         let (passes, per_pass_um) = (self.passes(layout, laser)?, self.per_pass_um(laser)?);
         let (pulse_um, speed_mm_s) = (laser.pulse_distance_um()?, laser.speed_mm_s?);
         let design_um = layout.pattern().depth_m() * 1e6;
-        let Some(made) = &self.made else {
+        let Some(cavity) = &self.cavity else {
             let warnings = vec![NO_LINES.to_owned()];
             return Some(Removal { passes, edge_ramp_um: laser.spot_um?, warnings, ..Removal::default() });
         };
         let made_um = f64::from(passes) * per_pass_um;
-        let area_m2 = layout.cavity_area_m2();
-        let mean_um = self.volume_m3(laser, passes)? / area_m2 * 1e6;
+        let floor_um = cavity.floor_m().map(|reach_m| made_um * reach_m / cavity.middle_m);
         // z is proportional to 1 / v
         let speed = speed_mm_s * made_um / design_um;
         let are_pulses_close = speed / speed_mm_s * pulse_um <= laser.spot_um? * (1.0 + LENGTH_TOLERANCE);
         let speed_for_depth_mm_s = are_pulses_close.then(|| six_digits(speed));
-        let mut warnings = self.unreached_warnings(layout);
+        let mut warnings = self.shape_warnings(layout);
         let pass_words = if passes == 1 { "1 pass makes".to_owned() } else { format!("{passes} passes make") };
         if let Some(off) = off(made_um, design_um) {
             let how = speed_for_depth_mm_s.map_or_else(
@@ -297,35 +233,13 @@ impl Hatched {
                 decimal(design_um, 1)
             ));
         }
-        let wanted_um = removed_volume_m3(layout, laser) / area_m2 * 1e6;
-        if let Some(off) = off(mean_um, wanted_um) {
-            let what = if mean_um < wanted_um {
-                let more = (wanted_um / mean_um * f64::from(passes)).round();
-                let more = if more > f64::from(passes) {
-                    format!(
-                        "; {more} passes come nearest to it, with {} um in the middle",
-                        decimal(more * per_pass_um, 1)
-                    )
-                } else {
-                    String::new()
-                };
-                format!(
-                    "depth grows over one spot, {} um, across the edge of a cavity; a smaller spot or wider cavities have steeper walls{more}",
-                    decimal(2e6 * self.half_spot_m, 1)
-                )
-            } else {
-                "lines lie nearer to each other than the hatch, to fit into a cavity".to_owned()
-            };
-            let (mean, wanted) = (decimal(mean_um, 1), decimal(wanted_um, 1));
-            warnings
-                .push(format!("the mean depth over cavities is {mean} um, {off} of the design's {wanted} um: {what}"));
-        }
         Some(Removal {
             passes,
             depth_per_pass_um: round_decimals(per_pass_um, MICROMETRE_DECIMALS),
             depth_um: round_decimals(made_um, MICROMETRE_DECIMALS),
-            mean_depth_um: round_decimals(mean_um, MICROMETRE_DECIMALS),
-            width_um: micrometres(made.width_m),
+            floor_um: floor_um.map(|um| round_decimals(um, MICROMETRE_DECIMALS)),
+            mean_depth_um: micrometres(self.volume_m3(laser, passes)? / layout.cavity_area_m2()),
+            width_um: micrometres(cavity.width_m()),
             edge_ramp_um: laser.spot_um?,
             speed_for_depth_mm_s,
             warnings,
@@ -342,47 +256,151 @@ fn off(made: f64, wanted: f64) -> Option<String> {
     (share.abs() > WARNED_DEVIATION).then(|| format!("{:+.0} %", 100.0 * share))
 }
 
-impl Section {
-    fn across(cavity: &Cavity, lines: &[Line], [dx, dy]: [f64; 2]) -> Option<Self> {
-        let longest = lines.iter().fold(None, |longest: Option<&Line>, line| match longest {
-            Some(other) if length_m(line) <= length_m(other) * (1.0 + LENGTH_TOLERANCE) => Some(other),
-            _ => Some(line),
-        })?;
-        let middle = [0, 1].map(|axis| f64::midpoint(longest[0][axis], longest[1][axis]));
-        let across = [-dy, dx];
-        let place = |[x_m, y_m]: [f64; 2]| (x_m * dx + y_m * dy, y_m * dx - x_m * dy);
-        let (along_m, at_m) = place(middle);
-        let [from_m, to_m] = if let Some(face) = &cavity.face {
-            // The left side of the direction across is backwards along the lines.
-            let spans_m = face.spans_m(across, -along_m);
-            spans_m.into_iter().find(|[from_m, to_m]| (*from_m..=*to_m).contains(&at_m))?
-        } else {
-            let (centre_along_m, centre_m) = place([cavity.centre_x_m, cavity.centre_y_m]);
-            let half_m = match cavity.planform.contour() {
-                Contour::Circle => {
-                    let (radius_m, off_m) = (cavity.width_m / 2.0, along_m - centre_along_m);
-                    ((radius_m - off_m) * (radius_m + off_m)).max(0.0).sqrt()
-                }
-                Contour::Rectangle => cavity.width_m.min(cavity.length_m) / 2.0,
-            };
-            [centre_m - half_m, centre_m + half_m]
-        };
-        let from = [along_m * dx - from_m * dy, along_m * dy + from_m * dx];
-        Some(Self { from_m: from, across, width_m: to_m - from_m })
+impl CavityHatch {
+    /// Hatch of a cavity of `pattern` far from the border of a specimen; `None` without depth, and if the laser has no
+    /// spot.
+    pub(crate) fn of_pattern(pattern: &Pattern, laser: &Laser) -> Option<Self> {
+        let marking = Marking::new(laser).ok()?;
+        // The middle of a groove so long does not depend on the grooves' ends.
+        let groove_m = 2.0 * pattern.width_m() + 4.0 * marking.half_spot_m;
+        let cavity = Cavity::new(pattern, [0.0; 2], pattern.length_m().unwrap_or(groove_m));
+        let face = Outline::Disc { diameter_m: 4.0 * (cavity.width_m.hypot(cavity.length_m) + groove_m) };
+        let (lines, apart_m) = marking.on_face(&face, cavity.width_m.min(cavity.length_m)).fill(&cavity);
+        Self::new(cavity, &lines, apart_m, &marking)
     }
-}
 
-/// Length of the part of a line that is within `radius_m` of a point, in metres.
-fn within_m([from, to]: &Line, [x_m, y_m]: [f64; 2], radius_m: f64) -> f64 {
-    let length = length_m(&[*from, *to]);
-    if length == 0.0 {
-        return 0.0;
+    fn new(cavity: Cavity, lines: &[Line], apart_m: Option<f64>, marking: &Marking) -> Option<Self> {
+        let along @ [dx, dy] = marking.direction(&cavity);
+        let turned = |line: &Line| {
+            let [[u0, v], [u1, _]] = line.map(|[x, y]| [x * dx + y * dy, y * dx - x * dy]);
+            [v, u0.min(u1), u0.max(u1)]
+        };
+        let mut lines: Vec<[f64; 3]> = lines.iter().map(turned).collect();
+        lines.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let longer = |a: [f64; 3], b: [f64; 3]| {
+            if b[2] - b[1] > (a[2] - a[1]) * (1.0 + LENGTH_TOLERANCE) { b } else { a }
+        };
+        let [longest_m, from_m, to_m] = lines.iter().copied().reduce(longer)?;
+        let section_m = f64::midpoint(from_m, to_m);
+        // The left side of the direction across is backwards along the lines.
+        let spans_m = cavity.spans_m([-dy, dx], -section_m);
+        let edges_m = spans_m.into_iter().find(|[low_m, high_m]| (*low_m..=*high_m).contains(&longest_m))?;
+        let (apart_m, half_spot_m) = (apart_m.unwrap_or(0.0), marking.half_spot_m);
+        let mut of = Self { cavity, along, lines, apart_m, half_spot_m, section_m, edges_m, middle_m: 0.0 };
+        of.middle_m = of.mean(MIDDLE_RANGE, |within_m| within_m);
+        (of.middle_m > 0.0).then_some(of)
     }
-    let [ex, ey] = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
-    let (dx_m, dy_m) = (x_m - from[0], y_m - from[1]);
-    let (along_m, off_m) = (dx_m * ex + dy_m * ey, dy_m * ex - dx_m * ey);
-    let half_m = ((radius_m - off_m) * (radius_m + off_m)).max(0.0).sqrt();
-    ((along_m + half_m).min(length) - (along_m - half_m).max(0.0)).max(0.0)
+
+    fn section_width_m(&self) -> f64 {
+        self.edges_m[1] - self.edges_m[0]
+    }
+
+    /// v of a point of the section, from its place as a fraction of the section.
+    fn v_m(&self, share: f64) -> f64 {
+        self.edges_m[0] + share * self.section_width_m()
+    }
+
+    /// Sum over the lines within half a spot of the point (u, v): each adds `of(length)` for the length, in metres, of its
+    /// part there.
+    fn sum_at(&self, [u, v]: [f64; 2], of: impl Fn(f64) -> f64) -> f64 {
+        let first = self.lines.partition_point(|[line_m, ..]| *line_m <= v - self.half_spot_m);
+        let near = self.lines[first..].iter().take_while(|[line_m, ..]| *line_m < v + self.half_spot_m);
+        near.map(|[line_m, from_m, to_m]| {
+            let off_m = v - line_m;
+            let half_m = ((self.half_spot_m - off_m) * (self.half_spot_m + off_m)).max(0.0).sqrt();
+            of((to_m.min(u + half_m) - from_m.max(u - half_m)).max(0.0))
+        })
+        .sum()
+    }
+
+    /// Length of lines within half a spot of the point (u, v), in metres.
+    fn reach_m(&self, at_m: [f64; 2]) -> f64 {
+        self.sum_at(at_m, |within_m| within_m)
+    }
+
+    /// Mean of a sum over lines, as in `sum_at`, over a part of the section, from `from` to `to` as fractions.
+    fn mean(&self, [from, to]: [f64; 2], of: fn(f64) -> f64) -> f64 {
+        let share = |k: u32| from + (to - from) * (f64::from(k) + 0.5) / f64::from(SAMPLE_POINTS);
+        let sum: f64 = (0..SAMPLE_POINTS).map(|k| self.sum_at([self.section_m, self.v_m(share(k))], of)).sum();
+        sum / f64::from(SAMPLE_POINTS)
+    }
+
+    /// Width at half depth, in metres: on the section between the outermost points of half depth, or the diameter of the
+    /// disc with the area at half depth.
+    fn width_m(&self) -> f64 {
+        let (level_m, reach) = (0.5 * self.middle_m, self.half_spot_m / self.section_width_m());
+        let step = (1.0 + 2.0 * reach) / f64::from(SAMPLE_POINTS);
+        let profile = |u: f64| -> Vec<f64> {
+            (0..=SAMPLE_POINTS).map(|k| self.reach_m([u, self.v_m(f64::from(k) * step - reach)])).collect()
+        };
+        let is_deep = |reach_m: &f64| *reach_m > level_m;
+        if self.cavity.planform.contour() == Contour::Circle {
+            let half_m = self.cavity.width_m / 2.0 + self.half_spot_m;
+            let row_m = 2.0 * half_m / f64::from(ROWS);
+            let u = |row: u32| self.section_m - half_m + (f64::from(row) + 0.5) * row_m;
+            let deep: usize = (0..ROWS).map(|row| profile(u(row)).iter().filter(|at| is_deep(at)).count()).sum();
+            let area_m2 = deep as f64 * step * self.section_width_m() * row_m;
+            return (4.0 * area_m2 / std::f64::consts::PI).sqrt();
+        }
+        let profile = profile(self.section_m);
+        // Interpolated; another arm of a polygon may reach the ends.
+        let at = |deep: usize, shallow: Option<usize>| {
+            let Some((shallow, z)) = shallow.and_then(|at| Some((at, profile.get(at)?))) else { return deep as f64 };
+            deep as f64 + (profile[deep] - level_m) / (profile[deep] - z) * (shallow as f64 - deep as f64)
+        };
+        let ends = profile.iter().position(is_deep).zip(profile.iter().rposition(is_deep));
+        let steps = ends.map_or(0.0, |(first, last)| at(last, Some(last + 1)) - at(first, first.checked_sub(1)));
+        steps * step * self.section_width_m()
+    }
+
+    /// Least and greatest length of lines within half a spot of a point in the middle third, in metres.
+    fn floor_m(&self) -> [f64; 2] {
+        let [low_m, high_m] = MIDDLE_RANGE.map(|share| self.v_m(share));
+        // Between points at which a line comes into the spot's reach, the sum is concave: the least is at such a point.
+        let enters = self.lines.iter().flat_map(|[line_m, ..]| [line_m - self.half_spot_m, line_m + self.half_spot_m]);
+        let samples = (0..=SAMPLE_POINTS).map(|k| low_m + (high_m - low_m) * f64::from(k) / f64::from(SAMPLE_POINTS));
+        let places = enters.filter(|v| (low_m..=high_m).contains(v)).chain(samples);
+        extremes(places.map(|v| self.reach_m([self.section_m, v])))
+    }
+
+    /// Fraction of the cavity that is at least half as deep as its middle, or between two places so deep on both sides,
+    /// half a line distance away: a ridge between coarse lines is not a corner.
+    pub(crate) fn made_share(&self) -> f64 {
+        let [dx, dy] = self.along;
+        let is_made = |[x, y]: [f64; 2]| {
+            let is_deep = |off_m| self.reach_m([x * dx + y * dy, y * dx - x * dy + off_m]) >= 0.5 * self.middle_m;
+            is_deep(0.0) || is_deep(-0.5 * self.apart_m) && is_deep(0.5 * self.apart_m)
+        };
+        unreached::share(&self.cavity, is_made)
+    }
+
+    /// Distance of the outermost line from the edge of the cavity, in metres.
+    pub(crate) fn spot_compensation_m(&self) -> Option<f64> {
+        self.lines.iter().map(|[line_m, ..]| line_m - self.edges_m[0]).find(|inset_m| *inset_m >= 0.0)
+    }
+
+    /// Mean number of lines within half a spot of a point in the middle third.
+    pub(crate) fn exposures(&self) -> f64 {
+        self.mean(MIDDLE_RANGE, |within_m| if within_m > 0.0 { 1.0 } else { 0.0 })
+    }
+
+    /// Depth of one pass in the middle third, in um; `None` if laser parameters are missing.
+    pub(crate) fn per_pass_um(&self, laser: &Laser) -> Option<f64> {
+        // z / N = (d / p) <length of lines within s/2>
+        Some(laser.depth_per_burst_um? / laser.pulse_distance_um()? * self.middle_m * 1e6)
+    }
+
+    /// Depth profile of `passes` between an edge and the middle of the cavity, in um: for each bin, the distance from the
+    /// edge at which it ends and its mean depth. `None` if laser parameters are missing.
+    pub(crate) fn across_um(&self, laser: &Laser, passes: u32) -> Option<Vec<[f64; 2]>> {
+        let scale = f64::from(passes) * self.per_pass_um(laser)? / self.middle_m;
+        let share = |k: u32| 0.5 * f64::from(k) / f64::from(LISTED_BINS);
+        let up_to = |k: u32| {
+            let depth_um = scale * self.mean([share(k - 1), share(k)], |within_m| within_m);
+            [micrometres(self.section_width_m() * share(k)), round_decimals(depth_um, MICROMETRE_DECIMALS)]
+        };
+        Some((1..=LISTED_BINS).map(up_to).collect())
+    }
 }
 
 /// Warnings about deviations of the cut cavities of `layout` from the design, for passes over lines or for bursts on
@@ -391,13 +409,13 @@ pub fn laser_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
     Removal::new(layout, laser).map_or_else(|| burst_warnings(layout, laser), |removal| removal.warnings)
 }
 
-/// Warnings about areas of cavities of `layout` that the spot does not reach, if bursts on spots give the depth;
-/// otherwise empty. For passes over lines, [`Removal`] has the warnings.
+/// Warnings about widths of cavities of `layout`, and areas that the spot does not reach, if bursts on spots give the
+/// depth; otherwise empty. For passes over lines, [`Removal`] has the warnings.
 pub fn burst_warnings(layout: &Layout, laser: &Laser) -> Vec<String> {
     if laser.is_mask() || laser.bursts(layout.pattern().depth_m()).is_none() {
         return Vec::new();
     }
-    Marking::new(laser).map_or_else(|_| Vec::new(), |marking| Hatched::new(layout, &marking).unreached_warnings(layout))
+    Marking::new(laser).map_or_else(|_| Vec::new(), |marking| LayoutHatch::new(layout, &marking).shape_warnings(layout))
 }
 
 /// Volume of all cavities of `layout` with the wall taper of `laser`, in cubic metres.

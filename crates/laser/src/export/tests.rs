@@ -374,7 +374,7 @@ fn a_hundred_thousand_cavities_are_handed_on_piece_by_piece() {
     }
 }
 
-/// A floor of 2 um cannot be cut in passes of 3.142 um, whatever bursts would give.
+/// A floor of 2 um cannot be cut in passes of 3 um, whatever bursts would give.
 #[test]
 fn depths_are_whole_passes_or_whole_bursts() {
     // 20 um spots every 2 um on lines 10 um apart: (pi / 4) 20^2 / (2 x 10) = 15.7 bursts of 0.2 um.
@@ -386,19 +386,22 @@ fn depths_are_whole_passes_or_whole_bursts() {
         depth_per_burst_um: Some(0.2),
         ..Laser::default()
     };
-    let step_um = hatched.depth_step_um().unwrap();
-    assert!((step_um - std::f64::consts::PI).abs() < 1e-12);
-    let refused = hatched.check_depth(2e-6).unwrap_err().to_string();
-    assert!(refused.contains("whole number of passes of 3.14159") && refused.contains("instance 3.14159"), "{refused}");
-    assert_eq!(hatched.check_depth(2e-6 * step_um), Ok(()));
+    assert!((hatched.infinite_pass_um().unwrap() - std::f64::consts::PI).abs() < 1e-12);
+    let deep = |depth_um: f64| Pattern::new(Planform::Square, 110e-6, 170e-6, depth_um * 1e-6).unwrap();
+    // Lines spread evenly over the width are nearer than 10 um.
+    let step_um = hatched.depth_step_um(&deep(2.0)).unwrap();
+    assert!((3.2..3.5).contains(&step_um), "{step_um}");
+    let refused = hatched.check_depth(&deep(2.0)).unwrap_err().to_string();
+    assert!(refused.contains("whole number of passes of 3."), "{refused}");
+    assert_eq!(hatched.check_depth(&deep(2.0 * step_um)), Ok(()));
     assert_eq!(hatched.bursts(2e-6 * step_um), None, "bursts on a spot do not give the depth");
     // A mask exposes the whole cavity, and a spot that does not move stays for whole bursts.
     let mask = Laser { exposure: Some(Exposure::Mask), ..hatched };
     let still = Laser { speed_mm_s: None, ..hatched };
     for laser in [mask, still] {
-        assert_eq!((laser.depth_step_um(), laser.bursts(2e-6)), (Some(0.2), Some(10)));
-        assert_eq!(laser.check_depth(2e-6), Ok(()));
-        assert!(laser.check_depth(2.1e-6).unwrap_err().to_string().contains("whole number of bursts of 0.2 um"));
+        assert_eq!((laser.depth_step_um(&deep(2.0)), laser.bursts(2e-6)), (Some(0.2), Some(10)));
+        assert_eq!(laser.check_depth(&deep(2.0)), Ok(()));
+        assert!(laser.check_depth(&deep(2.1)).unwrap_err().to_string().contains("whole number of bursts of 0.2 um"));
     }
-    assert_eq!(Laser::default().check_depth(2.1e-6), Ok(()));
+    assert_eq!(Laser::default().check_depth(&deep(2.1)), Ok(()));
 }

@@ -56,8 +56,8 @@ pub(crate) fn share(cavity: &Cavity, is_made: impl Fn([f64; 2]) -> bool) -> f64 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::removal::Hatched;
-    use crate::export::{Laser, Marking, Outline, laser_warnings};
+    use crate::export::removal::CavityHatch;
+    use crate::export::{Laser, Outline, laser_warnings};
     use slipgrid_model::pattern::{Pattern, Planform, Polygon, Texture};
 
     const DISC: Outline = Outline::Disc { diameter_m: 2e-3 };
@@ -69,9 +69,8 @@ mod tests {
 
     fn made(texture: Texture, width_um: f64, spot_um: f64) -> f64 {
         let pattern = Pattern::new(texture, width_um * 1e-6, 100e-6, 10e-6).unwrap();
-        let layout = Layout::new(pattern, DISC).unwrap();
         let laser = Laser { spot_um: Some(spot_um), hatch_um: Some(spot_um / 20.0), ..Laser::default() };
-        Hatched::new(&layout, &Marking::new(&laser).unwrap()).made_share().unwrap()
+        CavityHatch::of_pattern(&pattern, &laser).unwrap().made_share()
     }
 
     #[test]

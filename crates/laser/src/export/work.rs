@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::Planform;
 
-use crate::export::removal::Hatched;
+use crate::export::removal::{CavityHatch, LayoutHatch};
 use crate::export::{
     Exposure, Laser, Layout, MICROMETRE_DECIMALS, Marking, Removal, micrometres, round_decimals, six_digits,
 };
@@ -22,21 +22,23 @@ const LINE_TIME_FORMULA: &str = "passes * marked_length_mm / speed_mm_s";
 const LINE_TIME_ASSUMPTIONS: &str =
     "the spot moves at its speed along lines; jumps between lines and cavities, and acceleration, not counted";
 const LINES_FORMULA: &str = "line_distance_um is nominal; within a cavity lines lie evenly between the outermost, which are spot_compensation_um \
-     inside the edge, so that half of the depth in the middle falls on the edge; lines are as near as line_distance_um or nearer: from \
+     inside the edge, so that half of the depth in the middle falls on the edge; in discs, which have no side along the lines, the outermost \
+     are half a distance inside a circle that is larger by spot^2 / (12 diameter) in radius, on which lines end; lines are as near as line_distance_um or nearer: from \
      least_line_distance_um to greatest_line_distance_um, as in hatch.csv";
 const BURSTS_FORMULA: &str = "(pi / 4) spot^2 / (pulse distance * line distance): bursts that reach a point in one pass over an endless hatch, on \
      average; the line distance is the nominal one";
-const STEP_FORMULA: &str = "depths of designs are whole multiples of this: depth per burst * bursts per pass over lines, depth per burst where bursts are \
-     planned on spots or a mask exposes whole cavities";
+const STEP_FORMULA: &str = "depths of designs are whole multiples of this: what a pass over the lines in a cavity of this width removes in its middle, or the \
+     depth per burst where bursts are planned on spots or a mask exposes whole cavities; a depth fixed by its bounds is kept as it is";
 const ACROSS_FORMULA: &str = "each pair is [x, z]: z is the mean depth, after all passes, over the bin that ends at the distance x from the edge of a \
      cavity and begins where the bin before ends, the first at the edge; the eight bins are equally wide, and the last ends in \
      the middle of the cavity; it holds across the lines, in the middle of their length: at their ends, which lie on the edge, depth is half \
      of that and grows over half a spot";
 const REMOVAL_FORMULA: &str = "z(x) = passes * (depth per burst / pulse distance) * length of lines within half a spot of x; removed volume = passes * \
-     (depth per burst / pulse distance) * (pi / 4) spot^2 * marked length; the width made is that at half of the depth in the \
-     middle, which is the mean of z over the middle third of this width; mean depth is the removed volume over the area of all cavities";
+     (depth per burst / pulse distance) * (pi / 4) spot^2 * marked length; the depth in the middle is the mean of z over the middle third of \
+     the width, floor_um its least and greatest; the width made is that at half of this depth, of a disc the diameter of the disc with the \
+     area at half depth; mean depth is the removed volume over the area of all cavities";
 
-const EXPOSURES_FORMULA: &str = "lines within half a spot of a point, as a mean over the middle third of a cavity's width at half depth; depth_per_burst_um is that \
+const EXPOSURES_FORMULA: &str = "lines within half a spot of a point, as a mean over the middle third of a cavity's width; depth_per_burst_um is that \
      of a cavity exposed so";
 
 /// Laser work for a specimen: bursts, marking lines, passes and time. Values that need missing laser parameters are
@@ -45,7 +47,7 @@ const EXPOSURES_FORMULA: &str = "lines within half a spot of a point, as a mean 
 pub struct WorkSheet {
     /// `hatch` or `mask`.
     pub exposure: Exposure,
-    /// Depth of the smallest exposure, in um: one pass over an infinite hatch, otherwise one burst. Depths of designs
+    /// Depth of the smallest exposure, in um: one pass over the lines of a cavity, otherwise one burst. Depths of designs
     /// are multiples of this step.
     pub depth_step_um: Option<f64>,
     /// Formula for the depth step.
@@ -121,7 +123,7 @@ pub struct WorkSheet {
     pub estimated_time_formula: String,
     /// Assumptions of the marking time.
     pub estimated_time_assumptions: String,
-    /// Areas of cavities that the spot does not reach, with remedies.
+    /// Widths that differ from the design's, and areas of cavities that the spot does not reach, with remedies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// Passes over the lines, and the depth that they remove; absent if bursts on spots or a mask give the depth.
@@ -135,9 +137,9 @@ pub fn laser_time_s(layout: &Layout, laser: &Laser) -> Option<f64> {
 }
 
 /// The hatch of all cavities of `layout`; `None` for a mask, which exposes whole cavities, and without a spot diameter.
-fn hatched(layout: &Layout, laser: &Laser) -> Option<Hatched> {
+fn hatched(layout: &Layout, laser: &Laser) -> Option<LayoutHatch> {
     let marking = Marking::new(laser).ok().filter(|_| !laser.is_mask())?;
-    Some(Hatched::new(layout, &marking))
+    Some(LayoutHatch::new(layout, &marking))
 }
 
 /// Largest number of spots in a cavity, and number on the specimen; `None` for a mask and without a spot diameter.
@@ -150,13 +152,13 @@ fn spots(layout: &Layout, laser: &Laser) -> Option<(u64, u64)> {
 }
 
 /// Length of all lines, in millimetres.
-fn marked_length_mm(hatched: &Hatched) -> f64 {
-    six_digits(hatched.length_m * 1e3)
+fn marked_length_mm(hatch: &LayoutHatch) -> f64 {
+    six_digits(hatch.length_m * 1e3)
 }
 
-/// Marking time, in seconds, by passes over the lines of `hatched`, or else by bursts; `None` if parameters are missing.
-fn time_s(layout: &Layout, laser: &Laser, hatched: Option<&Hatched>) -> Option<f64> {
-    let passes = hatched.and_then(|hatched| Some((hatched.passes(layout, laser)?, marked_length_mm(hatched))));
+/// Marking time, in seconds, by passes over the lines of `hatch`, or else by bursts; `None` if parameters are missing.
+fn time_s(layout: &Layout, laser: &Laser, hatch: Option<&LayoutHatch>) -> Option<f64> {
+    let passes = hatch.and_then(|hatch| Some((hatch.passes(layout, laser)?, marked_length_mm(hatch))));
     let time_s = if let Some(((passes, length_mm), speed_mm_s)) = passes.zip(laser.speed_mm_s) {
         // t = n_passes L / v
         f64::from(passes) * length_mm / speed_mm_s
@@ -171,7 +173,7 @@ fn time_s(layout: &Layout, laser: &Laser, hatched: Option<&Hatched>) -> Option<f
 impl WorkSheet {
     pub(crate) fn new(layout: &Layout, laser: &Laser) -> Self {
         let depth_m = layout.pattern().depth_m();
-        let bursts = laser.bursts(depth_m);
+        let (bursts, step_um) = (laser.bursts(depth_m), laser.depth_step_um(layout.pattern()));
         let inset_m = laser.floor_inset_m(depth_m);
         let of_bursts_um = |value: Option<f64>| {
             bursts
@@ -180,8 +182,8 @@ impl WorkSheet {
         };
         let mut sheet = Self {
             exposure: laser.exposure.unwrap_or_default(),
-            depth_step_um: laser.depth_step_um().map(|step_um| round_decimals(step_um, MICROMETRE_DECIMALS)),
-            depth_step_formula: laser.depth_step_um().map(|_| STEP_FORMULA.to_owned()),
+            depth_step_um: step_um.map(|step_um| round_decimals(step_um, MICROMETRE_DECIMALS)),
+            depth_step_formula: step_um.map(|_| STEP_FORMULA.to_owned()),
             bursts_per_cavity: bursts,
             depth_of_bursts_um: of_bursts_um(laser.depth_per_burst_um),
             depth_of_bursts_stderr_um: of_bursts_um(laser.ablation.map(|law| law.depth_per_burst_stderr_um)),
@@ -198,48 +200,48 @@ impl WorkSheet {
             ..Self::default()
         };
         (sheet.spots_per_cavity, sheet.spots_on_specimen) = spots(layout, laser).unzip();
-        let hatched = hatched(layout, laser);
-        if let Some(hatched) = &hatched {
-            sheet.mark(layout, laser, hatched);
+        let hatch = hatched(layout, laser);
+        if let Some(hatch) = &hatch {
+            sheet.mark(layout, laser, hatch);
         }
-        sheet.estimated_time_s = time_s(layout, laser, hatched.as_ref());
+        sheet.estimated_time_s = time_s(layout, laser, hatch.as_ref());
         sheet.estimate(laser);
         sheet
     }
 
-    /// Fills in lines, overlaps and passes of `hatched`.
-    fn mark(&mut self, layout: &Layout, laser: &Laser, hatched: &Hatched) {
-        (self.lines_on_specimen, self.marked_length_mm) = (Some(hatched.lines), Some(marked_length_mm(hatched)));
-        self.spot_compensation_um = hatched.outermost_m().map(micrometres);
+    /// Fills in lines, overlaps and passes of `hatch`.
+    fn mark(&mut self, layout: &Layout, laser: &Laser, hatch: &LayoutHatch) {
+        (self.lines_on_specimen, self.marked_length_mm) = (Some(hatch.lines), Some(marked_length_mm(hatch)));
+        self.spot_compensation_um = hatch.cavity.as_ref().and_then(CavityHatch::spot_compensation_m).map(micrometres);
         self.marking_direction = Some(
             if layout.pattern().planform() == Planform::Crosshatch {
                 "along the grooves, first one family and then the other, whose lines end at the walls of the first, so \
                  that crossings are marked once and no ridge stays at their mouths: depth there is even within a fifth for lines at most \
                  half a spot apart; every second line backwards"
             } else {
-                "along the longer side of a cavity, along x where both are alike; every second line backwards"
+                "along the longer side of a cavity, along x where both are alike; every second line backwards, with its pieces where a hole or a groove cuts it"
             }
             .to_owned(),
         );
         let overlap =
             |distance_um: Option<f64>| distance_um.zip(laser.spot_um).map(|(d, spot)| six_digits(1.0 - d / spot));
         self.line_distance_um = laser.line_distance_um();
-        let [least_um, greatest_um] = [0, 1].map(|end| hatched.apart_m.map(|apart_m| micrometres(apart_m[end])));
+        let [least_um, greatest_um] = [0, 1].map(|end| hatch.apart_m.map(|apart_m| micrometres(apart_m[end])));
         (self.least_line_distance_um, self.greatest_line_distance_um) = (least_um, greatest_um);
         self.line_distance_formula = Some(LINES_FORMULA.to_owned());
         self.line_overlap = overlap(greatest_um);
         if self.bursts_per_cavity.is_some() {
-            self.exposures_of_a_point = hatched.exposures().map(six_digits);
+            self.exposures_of_a_point = hatch.cavity.as_ref().map(|cavity| six_digits(cavity.exposures()));
             self.exposures_of_a_point_formula = self.exposures_of_a_point.map(|_| EXPOSURES_FORMULA.to_owned());
         }
         self.pulse_distance_um = laser.pulse_distance_um().map(six_digits);
         self.pulse_overlap = overlap(laser.pulse_distance_um());
         self.bursts_per_pass = laser.bursts_per_pass().map(six_digits);
         self.bursts_per_pass_formula = self.bursts_per_pass.map(|_| BURSTS_FORMULA.to_owned());
-        self.removal = hatched.removal(layout, laser);
+        self.removal = hatch.removal(layout, laser);
         if let Some(passes) = self.removal.as_ref().map(|removal| removal.passes) {
-            self.removed_volume_mm3 = hatched.volume_m3(laser, passes).map(|volume_m3| six_digits(volume_m3 * 1e9));
-            self.depths_across_um = hatched.across_um(laser, passes);
+            self.removed_volume_mm3 = hatch.volume_m3(laser, passes).map(|volume_m3| six_digits(volume_m3 * 1e9));
+            self.depths_across_um = hatch.cavity.as_ref().and_then(|cavity| cavity.across_um(laser, passes));
             self.depths_across_formula = self.depths_across_um.as_ref().map(|_| ACROSS_FORMULA.to_owned());
             self.removal_formula = Some(REMOVAL_FORMULA.to_owned());
         }

@@ -11,8 +11,8 @@ pub struct ManufacturingLimits {
     pub min_land_m: Option<f64>,
     /// Diameter of the laser spot, in metres, which is the minimum width of a cavity.
     pub spot_m: Option<f64>,
-    /// Depth removed by the smallest exposure (a burst, or a pass over lines), in metres; depths of cavities are
-    /// multiples of this depth.
+    /// Depth removed by a burst, in metres, of which depths of cavities are multiples; `None` if passes over lines give
+    /// the depth.
     pub depth_per_burst_m: Option<f64>,
     /// Horizontal extent of a sloping wall over its height. Opposite walls must not meet above the floor of the cavity.
     pub wall_slope: Option<f64>,

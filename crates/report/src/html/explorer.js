@@ -367,8 +367,7 @@
     value("chance", () => chanceInWords(shown.chance));
     value("peak", () => fixed(shown.peak, 1));
     say("density", fixed(100 * shown.face, 1));
-    const cut = shown.bursts === null ? "-" : `${fixed(shown.bursts * data.burst_um, 1)} µm`;
-    say("bursts", data.has_passes || shown.bursts === null ? cut : `${shown.bursts} (${cut})`);
+    say("bursts", shown.bursts === null ? "-" : `${shown.bursts} (${fixed(shown.bursts * data.burst_um, 1)} µm)`);
     say("laser-time", duration(shown.seconds));
     const words = isKnown ? limits.filter(limit => isBroken(limit, shown)).map(limit => limit.words) : [];
     const aimed = shown.gap ? [shown.gap.replace(/^t/, "T")] : hasTarget ? [shown.isOn ? "Expected on target" : "Not expected on target"] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];

@@ -62,7 +62,6 @@ struct Data {
     limits: Vec<LimitData>,
     burst_um: Option<f64>,
     /// Whether depths are whole passes over a hatch, instead of bursts on a spot.
-    has_passes: bool,
     has_laser_time: bool,
     /// Range of values that are believed; ends of intervals outside are not printed as numbers.
     believed: [f64; 2],
@@ -163,7 +162,6 @@ impl Subject<'_> {
             holes: explorer.holes.clone(),
             limits: self.limits(),
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
-            has_passes: task.laser.bursts_per_pass().is_some(),
             believed: BELIEVED,
             has_laser_time: task.laser_time_s(self.pattern).is_some(),
             design,
@@ -339,7 +337,7 @@ fn controls(data: &Data) -> Markup {
                     @if data.has_target() { (reading("chance on target, all pressures", "chance", "")) }
                     (reading(first, "first", "")) (reading("95 % of samples", "interval", "")) (reading(second, "second", ""))
                     (reading("largest pressure, all loads", "peak", "MPa")) (reading("cavities' share of the face", "density", "%"))
-                    @if data.burst_um.is_some() { (reading(if data.has_passes { "depth, in whole passes" } else { "bursts (depth)" }, "bursts", "")) }
+                    @if data.burst_um.is_some() { (reading("bursts (depth)", "bursts", "")) }
                     @if data.has_laser_time { (reading("laser time", "laser-time", "")) }
                 }
                 p data-verdict aria-live="polite" {}

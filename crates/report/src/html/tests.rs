@@ -139,7 +139,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     assert!(page.contains(">mu flat</button>") && !page.contains(">mu static</button>"));
     // The list of all doubts, the gravest first, is not folded.
     let doubts = &page[page.find("<ul id=\"doubts\"").unwrap()..];
-    let places = ["cavities close", "5 points stand alone", "the mean depth"].map(|words| doubts.find(words));
+    let places = ["cavities close", "5 points stand alone", "the floor is 4.1"].map(|words| doubts.find(words));
     assert!(places.is_sorted() && !places.contains(&None), "{places:?}");
     assert_eq!(page[..page.find("<ul id=\"doubts\"").unwrap()].matches("<details").count(), 0);
     // Ids of different pictures are distinct, and nothing is fetched.

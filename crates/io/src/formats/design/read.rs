@@ -33,19 +33,22 @@ pub(super) fn read_ranges(
     file.condition.iter().chain(further).map(read).collect()
 }
 
+/// Number of intervals of the widths within the bounds, at whose ends a whole number of passes is sought.
+const WIDTHS: u32 = 100;
+
 /// Width, spacing and depth bounds, in metres.
 type Bounds = ([f64; 2], [f64; 2], [f64; 2]);
 
-/// Name of the laser steps of which depths are whole multiples: passes or bursts.
-pub(super) fn depth_steps(laser: &Laser) -> &'static str {
-    if laser.bursts_per_pass().is_some() { "passes" } else { "bursts" }
+/// Depth of one burst, in metres, of which depths are multiples; `None` if unknown, and if passes give the depth.
+fn burst_m(laser: &Laser) -> Option<f64> {
+    laser.depth_per_burst_um.filter(|_| !laser.has_passes()).map(|depth_um| LENGTH_UM.to_si(depth_um))
 }
 
-/// Replaces a fixed depth, given by two equal bounds in metres, by the nearest depth of whole laser steps if the two
-/// depths differ by no more than the rounding of printed depths, 0.01 um. Other bounds are unchanged.
-pub(super) fn whole_steps(depth_m: [f64; 2], laser: &Laser) -> [f64; 2] {
+/// Replaces a fixed depth, given by two equal bounds in metres, by the nearest depth of whole bursts if the two depths
+/// differ by no more than the rounding of printed depths, 0.01 um. Other bounds are unchanged.
+pub(super) fn whole_bursts(depth_m: [f64; 2], laser: &Laser) -> [f64; 2] {
     const PRINTED_M: f64 = 0.01e-6;
-    let Some(step_m) = laser.depth_step_um().map(|step_um| LENGTH_UM.to_si(step_um)) else { return depth_m };
+    let Some(step_m) = burst_m(laser) else { return depth_m };
     let whole_m = (depth_m[0] / step_m).round().max(1.0) * step_m;
     let is_printed = depth_m[0] == depth_m[1] && (whole_m - depth_m[0]).abs() <= PRINTED_M;
     if is_printed { [whole_m; 2] } else { depth_m }
@@ -61,8 +64,8 @@ pub(super) fn read_limits(
     let limits = ManufacturingLimits {
         min_land_m: document.optional(file.limits.min_land_um.as_ref(), LENGTH_UM)?,
         spot_m: laser.spot_um.map(|spot_um| LENGTH_UM.to_si(spot_um)),
-        // The step is one burst, given or fitted against fluence, or one pass over the lines of a hatch.
-        depth_per_burst_m: laser.depth_step_um().map(|depth_um| LENGTH_UM.to_si(depth_um)),
+        // Given or fitted against fluence.
+        depth_per_burst_m: burst_m(laser),
         wall_slope: laser.wall_taper_deg.map(|_| laser.slope()),
     };
     let bounds = file.bounds.get_ref();
@@ -94,17 +97,23 @@ pub(super) fn read_limits(
         let across = of_pattern("spacing_across_um");
         return Err(none_left(across, "is below limits.min_land_um", "at least", least_m));
     }
-    if let Some(burst_m) = limits.depth_per_burst_m {
-        // Smallest whole number of bursts at or above the minimum depth, with a tolerance for decimals.
-        let bursts = (depth_m[0] / burst_m - 1e-6).ceil().max(1.0);
-        if bursts * burst_m > depth_m[1] * (1.0 + 1e-6) {
-            return Err(document
-                .refuse(bounds.depth_um.span(), format!("holds no whole number of {}", depth_steps(laser)))
-                .expected(format!(
-                    "a range with a multiple of {} um in it",
-                    significant(LENGTH_UM.from_si(burst_m), 6)
-                )));
-        }
+    // Smallest whole number of bursts, or of passes over the lines in some width, at or above the minimum depth, with a
+    // tolerance for decimals.
+    let whole_m = |step_m: f64| (depth_m[0] / step_m - 1e-6).ceil().max(1.0) * step_m;
+    let pass_m = |share: u32| {
+        let width_m = width_m[0] + f64::from(share) / f64::from(WIDTHS) * (width_m[1] - width_m[0]);
+        let pattern = Pattern::new(*asked, width_m, spacing_m[1], depth_m[0]).ok()?;
+        laser.depth_step_um(&pattern).map(|step_um| LENGTH_UM.to_si(step_um))
+    };
+    let (of, least_m) = if laser.has_passes() && depth_m[0] < depth_m[1] {
+        ("passes", (0..=WIDTHS).filter_map(pass_m).map(whole_m).reduce(f64::min))
+    } else {
+        ("bursts", limits.depth_per_burst_m.map(whole_m))
+    };
+    if let Some(least_m) = least_m.filter(|least_m| *least_m > depth_m[1] * (1.0 + 1e-6)) {
+        let refused = document.refuse(bounds.depth_um.span(), format!("holds no whole number of {of}"));
+        let least_um = significant(LENGTH_UM.from_si(least_m), 6);
+        return Err(refused.expected(format!("a largest depth of at least {least_um} um")));
     }
     // The widest cavities at minimum depth.
     let widest = Pattern::new(*asked, width_m[1], spacing_m[1], depth_m[0]).ok();
@@ -161,16 +170,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_depth_as_it_is_printed_is_a_whole_number_of_passes() {
+    fn a_depth_as_it_is_printed_is_a_whole_number_of_bursts() {
         let laser = Laser { depth_per_burst_um: Some(5.890_486_225_48), ..Laser::default() };
-        let of = |from_um: f64, to_um: f64| whole_steps([from_um * 1e-6, to_um * 1e-6], &laser);
-        assert_eq!(laser.depth_step_um(), Some(5.890_486_225_48));
+        let of = |from_um: f64, to_um: f64| whole_bursts([from_um * 1e-6, to_um * 1e-6], &laser);
         assert_eq!(of(11.78, 11.78), [2.0 * LENGTH_UM.to_si(5.890_486_225_48); 2]);
         // Neither a range nor a value that rounding to printed digits explains.
         for [from_um, to_um] in [[11.6, 11.6], [11.78, 12.0]] {
             assert_eq!(of(from_um, to_um), [from_um * 1e-6, to_um * 1e-6]);
         }
-        assert_eq!(whole_steps([11.6e-6; 2], &Laser::default()), [11.6e-6; 2]);
+        assert_eq!(whole_bursts([11.6e-6; 2], &Laser::default()), [11.6e-6; 2]);
     }
 
     #[test]
