@@ -29,7 +29,7 @@ use crate::places::inside;
 
 mod edits;
 
-pub use edits::Edit;
+pub use edits::{Edit, apply_all};
 
 /// Maximum number of bytes of a text.
 const MAX_BYTES: u64 = 2 << 20;
@@ -196,9 +196,7 @@ pub async fn edit(State(shared): State<Arc<Shared>>, Query(at): Query<At>, Json(
         let mut document: DocumentMut = text
             .parse()
             .map_err(|error| Refused::bad(format!("{} cannot be edited by a form: {error}", path.display())))?;
-        for edit in &edits.edits {
-            edit.apply(&mut document)?;
-        }
+        apply_all(&edits.edits, &mut document)?;
         save(&shared, &at.path, &path, &document.to_string(), Some(&text))
     })
     .await

@@ -1,8 +1,10 @@
 //! Edits of single values in a TOML text. Comments, order and all other values stay as they are.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 use serde_json::Value as Json;
-use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, RawString, Table, TableLike, Value};
 
 use crate::error::Refused;
 
@@ -26,7 +28,7 @@ impl Edit {
     ///
     /// # Errors
     /// [`Refused`] for a place that does not fit the document, and for a value that TOML cannot hold.
-    pub fn apply(&self, document: &mut DocumentMut) -> Result<(), Refused> {
+    fn apply(&self, document: &mut DocumentMut) -> Result<(), Refused> {
         let Some((last, way)) = self.at.split_last() else { return Err(Refused::bad("an edit without a place")) };
         if self.value.is_null() && !leads_somewhere(document.as_item(), way) {
             return Ok(());
@@ -45,6 +47,90 @@ impl Edit {
             Step::Key(key) => key.clone(),
         });
         Refused::bad(format!("{}: no place for {}", steps.collect::<Vec<_>>().join("."), self.value))
+    }
+}
+
+/// Makes `edits`. Comments at the end of a table, such as keys that are commented out, stay there: a new table begins
+/// after them. Those of a removed table go to the end of the table before.
+///
+/// # Errors
+/// [`Refused`] of the first edit that cannot be made.
+pub fn apply_all(edits: &[Edit], document: &mut DocumentMut) -> Result<(), Refused> {
+    let before = headers(document);
+    edits.iter().try_for_each(|edit| edit.apply(document))?;
+    let mut after = headers(document);
+    let mut ends = BTreeMap::<_, String>::new();
+    let mut table = START;
+    for Header { position, comments, .. } in before {
+        *ends.entry(table).or_default() += &comments;
+        if after.iter().any(|kept| kept.position == position) {
+            table = position;
+        }
+    }
+    table = START;
+    for Header { position, comments, own, .. } in &mut after {
+        *comments = table.and_then(|_| ends.remove(&table)).unwrap_or_default();
+        if comments.ends_with("\n\n") {
+            *own = own.strip_prefix('\n').unwrap_or(own).to_owned();
+        } else if table.is_none() && *position != END && !own.starts_with('\n') {
+            own.insert(0, '\n');
+        }
+        table = *position;
+    }
+    document.set_trailing(after.pop().map(|end| end.comments).unwrap_or_default());
+    after.sort_by_key(|header| header.number);
+    let mut leads = after.into_iter().map(|header| header.comments + &header.own);
+    each_header(document.as_table_mut(), &mut |table| table.decor_mut().set_prefix(leads.next().unwrap_or_default()));
+    Ok(())
+}
+
+/// Positions of the start and the end of a document.
+const START: Option<isize> = Some(-1);
+const END: Option<isize> = Some(isize::MAX);
+
+/// Header of a table, or the end of the document.
+struct Header {
+    /// Place in the order of the keys.
+    number: usize,
+    /// Place in the text; `None` for a new table.
+    position: Option<isize>,
+    /// Comments before the header that belong to the table before: up to the last blank line.
+    comments: String,
+    /// Rest of what stands before the header.
+    own: String,
+}
+
+/// Headers in the order in which `toml_edit` writes them: a new table follows the one before it in the order of the
+/// keys. The end of the document is the last.
+fn headers(document: &mut DocumentMut) -> Vec<Header> {
+    let (mut last, mut found) = (0, Vec::new());
+    each_header(document.as_table_mut(), &mut |table| {
+        last = table.position().unwrap_or(last);
+        let lead = table.decor().prefix().and_then(RawString::as_str).unwrap_or("\n");
+        let (comments, own) = lead.split_at(lead.rfind("\n\n").map_or(0, |at| at + 2));
+        let [comments, own] = [comments, own].map(str::to_owned);
+        found.push((last, Header { number: found.len(), position: table.position(), comments, own }));
+    });
+    found.sort_by_key(|(at, _)| *at);
+    let comments = document.trailing().as_str().unwrap_or_default().to_owned();
+    let end = Header { number: found.len(), position: END, comments, own: String::new() };
+    found.into_iter().map(|(_, header)| header).chain([end]).collect()
+}
+
+/// Calls `act` for the tables with a header in the order of the keys.
+fn each_header(table: &mut Table, act: &mut impl FnMut(&mut Table)) {
+    for (_, item) in table.iter_mut() {
+        let below: Vec<&mut Table> = match item {
+            Item::Table(below) => vec![below],
+            Item::ArrayOfTables(all) => all.iter_mut().collect(),
+            _ => Vec::new(),
+        };
+        for below in below {
+            if !below.is_dotted() && !below.is_implicit() {
+                act(below);
+            }
+            each_header(below, act);
+        }
     }
 }
 
@@ -180,9 +266,13 @@ mod tests {
                         [target]\n# above\nvalue = 0.88  # behind\n\n[[trial]]\nname = \"one\"\n";
 
     fn edited(edits: &Json) -> Result<String, Refused> {
+        edited_in(TEXT, edits)
+    }
+
+    fn edited_in(text: &str, edits: &Json) -> Result<String, Refused> {
         let edits: Vec<Edit> = serde_json::from_value(edits.clone()).unwrap();
-        let mut document: DocumentMut = TEXT.parse().unwrap();
-        edits.iter().try_for_each(|edit| edit.apply(&mut document))?;
+        let mut document: DocumentMut = text.parse().unwrap();
+        apply_all(&edits, &mut document)?;
         Ok(document.to_string())
     }
 
@@ -220,6 +310,29 @@ mod tests {
         assert!(read["target"].get("value").is_none() && read.get("nothing").is_none());
         let text = edited(&json!([{"at": ["trial", 0], "value": null}])).unwrap();
         assert!(!text.contains("one"), "{text}");
+    }
+
+    #[test]
+    fn comments_at_the_end_of_a_table_stay_there() {
+        let (traces, fit) = ("[traces]\n# window_s = [1, 2]\n\n# zero_s = 1\n\n", "# of the fit\n[fit]\n# share = 1\n");
+        let text = format!("{traces}{fit}\n# [trial]\n");
+        let condition = json!({"at": ["traces", "condition", 0], "value": {"force_n": 50, "at": {"rh": 1}}});
+        let second = json!({"at": ["traces", "condition", 1, "force_n"], "value": 60});
+        let search = json!({"at": ["search", "seed"], "value": 1});
+        let new = "[[traces.condition]]\nforce_n = 50\n\n[traces.condition.at]\nrh = 1\n\n";
+        let last = "[[traces.condition]]\nforce_n = 60\n\n";
+        let all = format!("{traces}{new}{last}{fit}\n# [trial]\n\n[search]\nseed = 1\n");
+        assert_eq!(edited_in(&text, &json!([condition, second, search])).unwrap(), all);
+        // One after another they come to the same, and the text comes back once they are removed.
+        let one = edited_in(&text, &json!([search])).unwrap();
+        let two = edited_in(&one, &json!([condition])).unwrap();
+        assert_eq!(edited_in(&two, &json!([second])).unwrap(), all);
+        let none = json!({"at": ["traces", "condition"], "value": null});
+        let back = edited_in(&all, &json!([none, {"at": ["search"], "value": null}])).unwrap();
+        assert_eq!(back.trim_end(), text.trim_end());
+        // A table without a comment has one blank line before it.
+        let text = edited_in("a = 1\n", &json!([search])).unwrap();
+        assert_eq!(text, "a = 1\n\n[search]\nseed = 1\n");
     }
 
     #[test]
