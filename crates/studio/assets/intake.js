@@ -71,9 +71,8 @@ export function newTables({ path, values }) {
   const folder = parent(path);
   const trials = values?.trial ?? [];
   const conditions = [...(values?.traces?.condition ?? []), ...trials.flatMap((trial) => trial.traces ?? [])];
-  const named = [...conditions.flatMap((one) => [...(one.files ?? []), ...(one.exclude ?? [])]),
-    TEMPLATE_TABLE, values?.measurements?.flat, values?.measurements?.patterned, values?.surface?.map,
-      values?.surface?.map_after,
+  const named = [...conditions.flatMap((one) => one.files ?? []), TEMPLATE_TABLE, values?.measurements?.flat,
+    values?.measurements?.patterned, values?.surface?.map, values?.surface?.map_after,
     ...trials.map((trial) => trial.measurements)].filter(Boolean);
   const isInside = (file) => (folder ? file.path.startsWith(`${folder}/`) : !file.path.startsWith("out/"));
   return state.files.filter((file) => file.kind === "table" && isInside(file) && !file.path.endsWith(".asc"))
@@ -142,8 +141,10 @@ export function drawUsed(doc, at, onRemoved) {
     h("span", { class: "path" }, file), ` (${short(one.force_n)} N, ${short(one.speed_mm_s)} mm/s, ${
       short(one.humidity_pct)} %) `, button("Remove", () => remove(i, j, file), { "aria-label": `Remove ${file}` }))));
   const present = state.files.map((file) => relative(parent(doc.path), file.path));
+  // A plain file name in `exclude` applies in every folder.
+  const isExcluded = (file, exclude) => isMeant(file, exclude) || isMeant(file.split("/").pop(), exclude);
   const count = conditions.flatMap(({ files = [], exclude = [] }) =>
-    present.filter((file) => isMeant(file, files) && !isMeant(file, exclude))).length;
+    present.filter((file) => isMeant(file, files) && !isExcluded(file, exclude))).length;
   const fold = () => (root.open ? unfolded.add(key) : unfolded.delete(key));
   const root = h("details", { open: unfolded.has(key), ontoggle: fold },
     h("summary", {}, `Traces: ${count}; conditions: ${conditions.length}`), h("ul", {}, items));
@@ -173,9 +174,9 @@ export function drawIntake(root, doc, files, targets, options) {
   };
   const choice = (file) => {
     const row = rows.get(file);
-    const box = h("input", { type: "checkbox", checked: row.isChosen, "aria-label": `Add ${file}` });
-    box.addEventListener("change", () => { row.isChosen = box.checked; label(); });
-    return box;
+    row.box = h("input", { type: "checkbox", checked: row.isChosen, "aria-label": `Add ${file}` });
+    row.box.addEventListener("change", () => { row.isChosen = row.box.checked; label(); });
+    return row.box;
   };
   const chosen = () => files.filter((file) => rows.get(file).isChosen);
   const add = button("", async () => {
