@@ -174,11 +174,23 @@ fn works(page: &mut dyn Page, folder: &Path) {
     let mut dropped: Vec<(String, String)> = TRACES.map(|name| (name.to_owned(), text(name))).into();
     dropped.push(("flat-map.asc".to_owned(), fs::read_to_string(&map).unwrap()));
     fs::remove_file(map).unwrap();
+    // Files that are no traces are not ticked, and get no force.
+    for (name, text) in
+        [("map.txt", "# Width: 2 um\n0.1\t0.2\n0.3\t0.4\n"), ("table.csv", "force_n,mu_dynamic\n40,0.2\n")]
+    {
+        dropped.push((name.to_owned(), text.to_owned()));
+    }
+    // Traces of another material have the names of these.
+    fs::create_dir_all(folder.join("other/traces")).unwrap();
+    fs::write(folder.join("other/traces/flat-300N-1.csv"), text("flat-300N-1.csv")).unwrap();
     drop_files(page, ".page > .drop", &dropped);
     says(page, "Exports that are not used yet");
     enter(page, "Speed in mm/s of pom/traces/flat-160N-1.csv", "5");
     enter(page, "Humidity in % of pom/traces/flat-160N-1.csv", "50");
     press(page, "Add 5 files to the material");
+    says(page, "map.txt Not read as a trace: has no line that names its columns");
+    says(page, "table.csv Not read as a trace: ");
+    wait(page, "named('input', 'Force in N of pom/traces/map.txt')?.value === ''");
     // A file that nothing reads is not copied.
     drop_files(page, ".page > .drop", &[("friction.xlsx".to_owned(), "PK".to_owned())]);
     says(page, "friction.xlsx: no format that is read here. Save traces as CSV");

@@ -33,12 +33,12 @@ export async function takeFiles(files, folderOf, refused, others = TABLE_FILE) {
   return results.filter((one) => !one.error).map((one) => one.path);
 }
 
-/// Row of a file for the calibration `doc`: its numbers from its name, or else those entered last or of the last
-/// condition, and the fields that show them.
+/// Row of a file for the calibration `doc`: its numbers from its name, or else those entered last, or speed and humidity
+/// of the last condition, and the fields that show them. It is ticked once the file is read.
 function newRow(file, doc) {
   const name = file.split("/").pop();
-  const last = { ...doc.values?.traces?.condition?.at(-1), ...entered.get(doc.path) };
-  const row = { home: doc.path, isChosen: /(^|\/)traces\//.test(file), fields: {} };
+  const last = { ...doc.values?.traces?.condition?.at(-1), force_n: null, ...entered.get(doc.path) };
+  const row = { home: doc.path, isChosen: false, isRead: false, fields: {}, doubt: h("span", { class: "flags" }) };
   for (const [key, patterns] of Object.entries(PATTERNS)) {
     const found = patterns.map((pattern) => name.match(pattern)).find(Boolean);
     row[key] = found ? Number(found[1].replace(",", ".")) : (last[key] ?? null);
@@ -46,6 +46,20 @@ function newRow(file, doc) {
       "aria-label": `${NUMBERS[key]} of ${file}`, onchange: () => take(row, key) });
   }
   return row;
+}
+
+/// Ticks the row of a file that can be read as a trace, or says why it cannot be. A file with several steps is read once
+/// a step is chosen.
+async function look(file, row, doc) {
+  if (row.isRead) return;
+  const { error, columns } = await readTrace(file, doc.path).catch(({ message }) => ({ error: message, columns: [] }));
+  if (row.isRead) return;
+  row.isRead = !error || columns.some(({ role }) => role === "step");
+  const reason = error?.split("; expected")[0].replace(`${file}:`, "").replace(/^\d+:/, "").trim();
+  row.doubt.textContent = row.isRead ? "" : `Not read as a trace: ${reason}`;
+  if (!row.isRead || !/(^|\/)traces\//.test(file)) return;
+  row.box.checked = true;
+  row.box.dispatchEvent(new Event("change"));
 }
 
 /// Takes the number that was typed, also for every file of the calibration that lacks it.
@@ -63,7 +77,7 @@ function take(row, key) {
 /// Whether one of `patterns`, in which * stands for any letters, means `path`, relative to the calibration's folder.
 const isMeant = (path, patterns) => patterns.some((pattern) => {
   const literal = pattern.split("*").map((part) => part.replace(/[.+?^${}()|[\]\\]/g, "\\$&"));
-  return new RegExp(`^${literal.join("[^/]*")}$`).test(path) || path.endsWith(`/${pattern}`);
+  return new RegExp(`^${literal.join("[^/]*")}$`).test(path);
 });
 
 /// Tables in the calibration's folder that it does not name yet.
@@ -201,13 +215,16 @@ export function drawIntake(root, doc, files, targets, options) {
   };
   label();
   const titles = ["Add", "File", ...Object.values(NUMBERS), "Sample", ""];
-  const lines = files.map((file) => [choice(file), h("span", { class: "path" }, relative(parent(doc.path), file)),
+  const lines = files.map((file) => [choice(file),
+    [h("span", { class: "path" }, relative(parent(doc.path), file)), " ", rows.get(file).doubt],
     ...Object.values(rows.get(file).fields), sample(file), button("Show", () => onShow(file))]);
   // Fields stay as they are, with what is being typed.
   const focused = root.contains(document.activeElement) ? document.activeElement : null;
   root.replaceChildren(h("div", { class: "intake" }, table("Exports that are not used yet", titles, lines)),
     h("p", { class: "quiet" },
-      "Numbers in italics are guesses from file names. Check them. Files with equal numbers are repeats."),
+      "Numbers in italics are guesses, from the file name or else the numbers entered last. Check them. ",
+      "Files with equal numbers are repeats."),
     add, failed);
+  files.forEach((file) => look(file, rows.get(file), doc));
   if (focused?.isConnected) focused.focus();
 }
