@@ -321,6 +321,7 @@ fn works(page: &mut dyn Page, folder: &Path) {
     press(page, "Trials");
     press(page, "What was learned");
     says(page, "Ratio to the flat sample, predicted from earlier trials and measured");
+    says(page, ", before any trial");
     press(page, "What to cut next");
     says(page, "Chance that one of these");
     assert!(folder.join("out/seal-next/next-1/pattern.dxf").is_file());

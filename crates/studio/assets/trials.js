@@ -24,12 +24,9 @@ function predictedTable(record) {
   const rows = record.trials.flatMap((trial) => trial.measured.map((one) => {
     const [low, high] = one.before.interval_95;
     const isInside = one.measured >= low && one.measured <= high;
-    // Without earlier trials nothing was predicted from them.
-    const predicted = one.before.known ? [one.before.ratio.toFixed(3), `${low.toFixed(2)} to ${high.toFixed(2)}`]
-      : ["-", "-"];
-    return [trial.name, short(one.pressure_mpa), short(one.speed_mm_s), short(one.humidity_pct), ...predicted,
-      one.measured.toFixed(3), one.before.known ? h("span", { class: isInside ? "" : "flags" }, isInside ? "yes" : "no")
-        : "-"];
+    const predicted = one.before.ratio.toFixed(3) + (one.before.known ? "" : ", before any trial");
+    return [trial.name, short(one.pressure_mpa), short(one.speed_mm_s), short(one.humidity_pct), predicted,
+      `${low.toFixed(2)} to ${high.toFixed(2)}`, one.measured.toFixed(3), h("span", { class: isInside ? "" : "flags" }, isInside ? "yes" : "no")];
   }));
   return table("Ratio to the flat sample, predicted from earlier trials and measured", ["Trial", "Pressure in MPa",
     "Speed in mm/s", "Humidity in %", "Predicted", "95 % of samples", "Measured", "Within"], rows);
