@@ -318,6 +318,12 @@ fn works(page: &mut dyn Page, folder: &Path) {
     says(page, "Traces: 4; conditions: 4");
     press(page, "Add 1 file to the material");
     says(page, "Traces: 5; conditions: 4");
+    // Of a texture that was measured another sample can be cut.
+    press(page, "Design");
+    press(page, "I will cut this again");
+    until(|| file("pom/calibration.toml").contains("cut-2"));
+    page.ask("import('/assets/api.js').then(api => api.edit('pom/calibration.toml', [{ at: ['trial', 1], value: null }])) && null");
+    until(|| !file("pom/calibration.toml").contains("cut-2"));
     press(page, "Trials");
     press(page, "What was learned");
     says(page, "Ratio to the flat sample, predicted from earlier trials and measured");

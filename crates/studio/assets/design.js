@@ -3,26 +3,26 @@
 import { has, hashOf, load, loadFolder, on, state } from "./api.js";
 import { drawSummary } from "./form.js";
 import { jobButton, make, outdated, watchResult } from "./jobs.js";
-import { addTrial, calibrationOf, materialLine, trialOf } from "./trial.js";
+import { addTrial, calibrationOf, isMeasured, materialLine, trialOf } from "./trial.js";
 import { alert, button, dimensions, fileUrl, h, heading, link, percent, reportFrame, short, stem, table,
   zipLink } from "./ui.js";
 
 const DOWNLOADS = ["pattern.dxf", "pattern.svg", "process.toml", "scene.toml"];
 const MISSED = ["cannot_be_met", "measure_again", "do_not_texture"];
 
-/// Button that adds a texture to the trials of a calibration, or the name of the trial that it is. `calibration` is a
-/// document or null.
+/// Button that adds a texture to the trials of a calibration, or the name of the trial that it is; of a measured one
+/// another sample can be cut. `calibration` is a document or null.
 function cutButton(design, calibration) {
   if (!calibration) return null;
   const added = (name) => link(hashOf("trials", { calibration: calibration.path }), `Added as ${name}`);
   const known = trialOf(calibration, design);
-  if (known) return added(known.name);
-  const cut = button("I will cut this", async () => {
+  if (known && !isMeasured(known)) return added(known.name);
+  const cut = button(known ? "I will cut this again" : "I will cut this", async () => {
     cut.disabled = true;
     try { cut.replaceWith(added(await addTrial(calibration.path, design))); }
     catch (error) { cut.disabled = false; cut.after(alert(error)); }
   });
-  return cut;
+  return known ? [added(known.name), " ", cut] : cut;
 }
 
 export function decision(result) {

@@ -25,18 +25,20 @@ export function materialLine(doc, calibration) {
 
 const sizesOf = ({ areal_density: _areal, section_density: _section, ...pattern }) => Object.entries(pattern);
 
-/// Trial of the calibration `doc` with the texture of a result.
+export const isMeasured = (trial) => Boolean(trial.measurements || trial.traces?.length);
+
+/// Last trial of the calibration `doc` with the texture of a result.
 export function trialOf(doc, design) {
-  return doc.values?.trial?.find(({ pattern = {} }) =>
+  return doc.values?.trial?.findLast(({ pattern = {} }) =>
     sizesOf(design).every(([key, value]) => JSON.stringify(pattern[key] ?? null) === JSON.stringify(value)));
 }
 
-/// Adds a `[[trial]]` with the texture of a result to the calibration at `path`, unless it has one; resolves to its
-/// name.
+/// Adds a `[[trial]]` with the texture of a result to the calibration at `path`, unless one waits to be measured;
+/// resolves to its name.
 export async function addTrial(path, design) {
   const doc = await load(path);
   const known = trialOf(doc, design);
-  if (known) return known.name;
+  if (known && !isMeasured(known)) return known.name;
   const trials = doc.values?.trial ?? [];
   const names = new Set(trials.map((trial) => trial.name));
   let number = trials.length + 1;

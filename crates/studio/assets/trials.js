@@ -7,7 +7,7 @@ import { drawIntake, drawUsed, newTables, takeFiles } from "./intake.js";
 import { jobButton, outdated, watchResult } from "./jobs.js";
 import { targetsOf } from "./material.js";
 import { drawTrace } from "./traceview.js";
-import { calibrationOf, materialLine } from "./trial.js";
+import { calibrationOf, isMeasured, materialLine } from "./trial.js";
 import { button, dimensions, dropZone, h, heading, join, link, newId, parent, percent, reportFrame, resolve,
   short, stem, table, zipLink } from "./ui.js";
 
@@ -16,7 +16,7 @@ const COLUMNS = [["chosen", "Chosen", "No sample is chosen."], ["cut", "Cut", "N
 
 /// A trial with measurements is measured, one with a date is cut, all others are chosen.
 function columnOf(trial) {
-  if (trial.measurements || trial.traces?.length) return "measured";
+  if (isMeasured(trial)) return "measured";
   return trial.date ? "cut" : "chosen";
 }
 
