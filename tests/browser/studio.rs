@@ -226,6 +226,9 @@ fn works(page: &mut dyn Page, folder: &Path) {
     until(|| file("seal.toml").contains("value = [0.945, 0.88]"));
     wait(page, "document.querySelector('[data-focus=value0]').value === '0.945'");
     assert!(file("seal.toml").contains("# one number, or one per pressure"), "comments are lost");
+    enter(page, "Value at 0.65 MPa", "");
+    says(page, "Value at 0.65 MPa: enter a number.");
+    enter(page, "Value at 0.65 MPa", "0.945");
     // Another kind of target keeps the numbers; a comma of two meanings is refused.
     let target = |key: &str| {
         let text = file("seal.toml");

@@ -54,7 +54,11 @@ function targetTable(getTarget, onEdit, onFail) {
   const input = (labelOf, valueOf, focusKey, change) => {
     const field = h("input", { type: "text", inputmode: "decimal", "data-focus": focusKey, onchange: async () => {
       field.removeAttribute("aria-invalid");
-      try { await change(parseNumbers(field.value, true, false)); }
+      try {
+        const number = parseNumbers(field.value, true, false);
+        if (number === null) throw new Error(`${labelOf(getTarget())}: enter a number.`);
+        await change(number);
+      }
       catch (error) { field.setAttribute("aria-invalid", "true"); onFail(error); }
     } });
     const show = (target) => {
