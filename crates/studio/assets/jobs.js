@@ -41,7 +41,8 @@ export function jobStrip(root) {
   const line = (job) => {
     const head = isEnded(job)
       ? [h("strong", { class: job.state }, ENDED[job.state]), h("code", {}, job.line),
-        h("span", { class: "stage" }, EXITS[job.exit_code] ?? `${Math.round(job.seconds)} s`),
+        h("span", { class: "stage" }, EXITS[job.exit_code]
+          ?? (job.state === "failed" ? firstError(job) : `${Math.round(job.seconds)} s`)),
         button("Dismiss", () => dismiss(job)), printed(job)]
       : [h("code", {}, job.line), ...progress(job)];
     const row = rows.get(job.id) ?? h("div", { class: "job" });
@@ -64,7 +65,9 @@ export function jobStrip(root) {
   };
   on("job", (job) => {
     if (!isEnded(job)) seen.add(job.id);
-    else if (seen.has(job.id)) say(`${ENDED[job.state]}: ${job.line}`);
+    else if (seen.has(job.id)) {
+      say(`${ENDED[job.state]}: ${job.line}${job.state === "failed" ? `. ${firstError(job)}` : ""}`);
+    }
     draw();
   });
 }
