@@ -154,6 +154,7 @@ fn works(page: &mut dyn Page, folder: &Path) {
     enter(page, "Name of a new material", "pom");
     press(page, "Start a material");
     says(page, "Drop traces of the tribometer");
+    says(page, "µ dynamic");
     // It has its name, and no number that the user did not enter: nothing is fitted before.
     until(|| file("pom/calibration.toml").contains("name = \"pom\""));
     until(|| file("pom/flat.csv").ends_with("mu_dynamic_std\n"));

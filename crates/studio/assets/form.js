@@ -13,8 +13,9 @@ const FILE_KEYS = { map: ["map", "table"], map_after: ["map", "table"], relief: 
 export function labelOf(key) {
   const unit = Object.keys(UNITS).sort((a, b) => b.length - a.length).find((end) => key.endsWith(`_${end}`));
   const words = (unit ? key.slice(0, -unit.length - 1) : key).split("_").map((word) => WORDS[word] ?? word);
-  const label = words.join(" ");
-  return { label: label[0].toUpperCase() + label.slice(1), unit: unit ? UNITS[unit] : "" };
+  // The capital of µ reads M.
+  const label = words.join(" ").replace(/^[a-z]/, (first) => first.toUpperCase());
+  return { label, unit: unit ? UNITS[unit] : "" };
 }
 
 /// Schema of the key at `at`.
