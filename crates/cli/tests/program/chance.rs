@@ -19,9 +19,9 @@ fn the_chance_comes_first_with_what_is_expected_and_what_limits_it() {
     assert_eq!((of("pressure_mpa"), of("target_low"), of("target_high")), (2.6, 0.86, 0.9));
     assert!(of("low_95") < of("target_low") && of("low_95") < of("median") && of("median") < of("high_95"), "{found}");
 
-    // Limits in the order of what they cost: knowing one never lowers the chance, and each moves the ratio.
+    // Limits in the order of what they cost in whole per cent: knowing one never lowers the chance, and each moves the ratio.
     let known = column(&found["limited_by"], "/chance_if_known");
-    assert!(known.is_sorted_by(|a, b| a >= b) && known.iter().all(|known| *known >= chance), "{known:?}");
+    assert!(known.is_sorted_by(|a, b| *a > b - 0.01) && known.iter().all(|known| *known >= chance), "{known:?}");
     assert!(column(&found["limited_by"], "/std/0").into_iter().all(|std| std > 0.0));
     let known_to = ["model error", "Young's modulus", "width"].map(|input| limit(&found, input)["known_to"].clone());
     assert_eq!(known_to, ["no trial yet", "known to 21 %", "made to 6 um"]);
