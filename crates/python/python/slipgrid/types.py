@@ -703,6 +703,7 @@ class Removal(Record):
     passes: int
     depth_per_pass_um: float
     depth_um: float
+    floor_um: list[float]
     mean_depth_um: float
     width_um: float
     edge_ramp_um: float
