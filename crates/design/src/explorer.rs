@@ -244,9 +244,10 @@ impl Explorer {
             Some((Laid::from_layout(&layout, dimension).share(layout.pattern()), layout))
         };
         let nodes = ResponseSurface::nodes(&axes);
-        let places = [&nodes[..], &random_places(&axes, LAID, 3)].concat();
-        let laid_shares: Vec<f64> = places.par_iter().filter_map(|place| Some(laid(place)?.0)).collect();
-        let [from, to] = extremes(laid_shares);
+        let laid_nodes: Vec<Option<(f64, Layout)>> = nodes.par_iter().map(laid).collect();
+        let places = random_places(&axes, LAID, 3);
+        let further: Vec<f64> = places.par_iter().filter_map(|place| Some(laid(place)?.0)).collect();
+        let [from, to] = extremes(laid_nodes.iter().flatten().map(|(share, _)| *share).chain(further));
         let shares = [from, to.max(from + SAME_SHARE)];
         // One prediction for each half of the range, or several for each.
         let halves = ((to - from) / (2.0 * SHARE_STEP)).ceil() as usize;
@@ -275,14 +276,14 @@ impl Explorer {
                 *share,
             ])
         };
-        let node = |lengths_um: &[f64; 3]| {
+        let node = |(lengths_um, laid): (&[f64; 3], &Option<(f64, Layout)>)| {
             let at = |node: usize| shares[0] + (shares[1] - shares[0]) * node as f64 / (log_odds_nodes - 1) as f64;
             let found = (0..log_odds_nodes).map(|node| predicted(lengths_um, at(node))).collect::<Option<Vec<_>>>()?;
             let quantiles = found.iter().step_by((log_odds_nodes - 1) / (quantile_nodes - 1)).flat_map(quantiles_of);
             let log_odds: Vec<f64> = found.iter().map(Prediction::log_odds).collect();
-            Some([quantiles.collect(), log_odds, beside_of(&laid(lengths_um)?, None)?.to_vec()].concat())
+            Some([quantiles.collect(), log_odds, beside_of(laid.as_ref()?, None)?.to_vec()].concat())
         };
-        let answers: Vec<Option<Vec<f64>>> = nodes.par_iter().map(node).collect();
+        let answers: Vec<Option<Vec<f64>>> = nodes.par_iter().zip(&laid_nodes).map(node).collect();
         if search.stage.cancelled() {
             return None;
         }
