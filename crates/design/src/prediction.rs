@@ -60,7 +60,7 @@ impl Prediction {
         self.score.chance
     }
 
-    /// Log odds ln(p / (1 - p)) of the chance p, which are interpolated and shifted in place of the chance.
+    /// Log odds ln(p / (1 - p)) of the chance p, which are interpolated in place of the chance.
     pub fn log_odds(&self) -> f64 {
         let chance = self.chance().clamp(MIN_CHANCE, 1.0 - MIN_CHANCE);
         (chance / (1.0 - chance)).ln()

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{PRESSURE_MPA, counted, tidy};
 use slipgrid_model::pattern::Pattern;
 
-use crate::prediction::{Prediction, chance_of, percent};
+use crate::prediction::{Prediction, percent};
 use crate::search::Search;
 use crate::steps::Steps;
 use crate::task::{TradeOffGoal, TradeOffsWanted};
@@ -91,13 +91,16 @@ pub fn of(search: &Search<'_>, best: &Prediction, solved: &[Prediction]) -> Opti
         let laid = search.table.lay(pattern)?;
         search.roughly_with((pattern, &laid), &off, &best.texture.covariance, peak_off.max(1.0))
     };
-    // Rough predictions leave out unlikely members: the log odds of all are shifted by what this changes at `best`.
-    let shift = roughly(&own).map_or(0.0, |own| best.log_odds() - own.log_odds());
+    // Rough predictions leave out unlikely members: all odds p / (1 - p) change by the factor at `best`.
+    let odds = |chance: f64| chance / (1.0 - chance);
+    let factor = roughly(&own).map(|own| odds(best.chance()) / odds(own.chance()));
+    let factor = factor.filter(|factor| factor.is_finite() && *factor > 0.0).unwrap_or(1.0);
+    let corrected = |chance: f64| chance * factor / (1.0 - chance + chance * factor);
     let one = |pattern: &Pattern| {
         let found = roughly(pattern);
         let found = found.filter(|found| found.texture.excess == 0.0 && !search.stage.cancelled())?;
         let of = |goal: &TradeOffGoal| match goal {
-            TradeOffGoal::Chance => Some(chance_of(found.log_odds() + shift)),
+            TradeOffGoal::Chance => Some(corrected(found.chance())),
             goal => value(&found, goal),
         };
         Some(TradeOff { design: *pattern, goals: wanted.goals.iter().map(of).collect::<Option<Vec<f64>>>()? })
