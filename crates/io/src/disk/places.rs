@@ -143,14 +143,20 @@ pub fn write_file(
     check_file(place, inputs)?;
     // The target of a link is replaced, not the link; a device is opened, because a renamed file would replace it.
     let path = fs::canonicalize(place.path).unwrap_or_else(|_| place.path.to_owned());
+    let (folder, name) = (parent(&path), path.file_name().map_or("".into(), |name| name.to_string_lossy()));
+    let (mut listed, hash) = (Written::read(folder), hexadecimal(&Sha256::digest(bytes)));
+    let is_listed = listed.names(Path::new(&*name));
+    let list = |listed: &Written| {
+        let written = if is_listed { put(&folder.join(LIST), listed.to_text().as_bytes()) } else { Ok(()) };
+        written.map_err(WriteError::at(place.path))
+    };
+    // A killed run leaves the old or the new file: meanwhile the list has both.
+    listed.add(&name, hash.clone());
+    list(&listed)?;
     let written = if is_device(&path) { fs::write(&path, bytes) } else { put_unless(&path, bytes, is_cancelled) };
     written.map_err(WriteError::at(place.path))?;
-    let (folder, name) = (parent(&path), path.file_name().map_or("".into(), |name| name.to_string_lossy()));
-    let mut listed = Written::read(folder);
-    if listed.names(Path::new(&*name)) {
-        listed.insert(&name, hexadecimal(&Sha256::digest(bytes)));
-        put(&folder.join(LIST), listed.to_text().as_bytes()).map_err(WriteError::at(place.path))?;
-    }
+    listed.insert(&name, hash);
+    list(&listed)?;
     Ok(())
 }
 

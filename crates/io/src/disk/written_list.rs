@@ -40,6 +40,11 @@ impl Written {
         path.to_str().is_some_and(|name| self.0.contains_key(name))
     }
 
+    /// Adds a hash that the file may have, besides those known.
+    pub(crate) fn add(&mut self, name: &str, hash: String) {
+        self.0.entry(name.to_owned()).or_default().push(hash);
+    }
+
     pub(crate) fn insert(&mut self, name: &str, hash: String) {
         self.0.insert(name.to_owned(), vec![hash]);
     }
