@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::statistics::{Axis, ResponseSurface, extremes, median};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
-use slipgrid_laser::export::{Layout, Specimen, laser_time_s};
+use slipgrid_laser::export::{Layout, laser_time_s};
 use slipgrid_laser::specimen::Laid;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Dimension, Load, Simulation};
@@ -60,9 +60,9 @@ pub struct Explorer {
     /// under load in micrometres, minimum ratio of local to nominal pressure, logarithm of the laser time in seconds
     /// (0 if unknown) over the share of the face that is cavity, this share, and the cavity fraction as in `shares`.
     pub beside: ResponseSurface,
-    /// Cavity fractions of the face over that of a period between which all textures lie.
+    /// Range of the cavity fractions of the face over that of a period, of the nodes and of random textures; fractions
+    /// beyond it count as its ends.
     pub shares: [f64; 2],
-    specimen: Specimen,
     /// Dimension of the model.
     pub dimension: Dimension,
     /// Indices of nodes that the model cannot compute; no values are interpolated between them and adjacent nodes.
@@ -222,12 +222,6 @@ impl Explorer {
         (at(&self.expected, self.quantile_nodes()), at(&self.log_odds, self.log_odds.outputs())[0])
     }
 
-    /// Medians and ends of 95 % intervals as in [`Self::expected`] of samples of `pattern`; `None` if the specimen does
-    /// not take it.
-    pub fn expected_of(&self, pattern: Pattern) -> Option<Vec<f64>> {
-        Some(self.sample(&self.specimen.layout(pattern).ok()?).0)
-    }
-
     /// Builds the explorer from the table of `search`, corrected by the table's error at the texture of `about`, and
     /// with the covariance of the errors that samples of this texture share. Near this texture the maximum pressure is
     /// that of `run`, a dynamic run of the texture on the specimen, where outer lands carry more than in an infinite
@@ -263,6 +257,16 @@ impl Explorer {
             let at = |load: usize, p: f64| search.asked.bands[load].flat * found.quantile(load, p);
             [0.5, 0.025, 0.975].into_iter().flat_map(|p| (0..loads).map(move |load| at(load, p))).collect()
         };
+        // ln of the laser time over the density; a cavity narrower than the spot has no line, and the time of one that fits.
+        let spot_um = task.laser.spot_um.unwrap_or(0.0);
+        let log_time_s = |layout: &Layout, [width_um, spacing_um, depth_um]: [f64; 3]| {
+            let fitting = || laid(&[width_um.max(spot_um), spacing_um, depth_um]);
+            let log = |layout: &Layout| {
+                laser_time_s(layout, &task.laser).map(|time_s| (time_s / layout.areal_density()).ln())
+            };
+            let known = |log: &f64| log.is_finite();
+            log(layout).filter(known).or_else(|| log(&fitting()?.1).filter(known)).unwrap_or(0.0)
+        };
         let beside_of = |(share, layout): &(f64, Layout), run: Option<&Simulation>| {
             let (pattern, density) = (layout.pattern(), layout.areal_density());
             let answer = search.table.answer(pattern)?;
@@ -271,7 +275,7 @@ impl Explorer {
                 PRESSURE_MPA.from_si(peak_pa).ln(),
                 answer.clearance_um.unwrap_or_else(|| LENGTH_UM.from_si(pattern.depth_m())),
                 answer.least_pressure,
-                laser_time_s(layout, &task.laser).map_or(0.0, |laser_s| (laser_s / density).ln()),
+                log_time_s(layout, pattern.lengths_m().map(|m| LENGTH_UM.from_si(m))),
                 density,
                 *share,
             ])
@@ -313,16 +317,14 @@ impl Explorer {
         let [expected, log_odds, beside] =
             [0..ends[0], ends[0]..ends[1], ends[1]..ends[1] + BESIDE].map(|of| surface(&axes, &all, of));
         let checks = random_places(&axes, CHECKS, 2);
-        let (specimen, checked) = (task.specimen, 0);
         let mut explorer = Self {
             expected,
             log_odds,
             beside,
             shares,
-            specimen,
             dimension,
             holes,
-            checked,
+            checked: 0,
             median_error: 0.0,
             worst_error: 0.0,
         };

@@ -61,7 +61,7 @@ struct Data {
     holes: Vec<usize>,
     limits: Vec<LimitData>,
     burst_um: Option<f64>,
-    /// Whether depths are whole passes over a hatch, instead of bursts on a spot.
+    /// Whether the laser time is known.
     has_laser_time: bool,
     /// Range of values that are believed; ends of intervals outside are not printed as numbers.
     believed: [f64; 2],

@@ -101,7 +101,7 @@ impl Subject<'_> {
     /// pressures.
     fn ratio(&self, at: &[f64; 3], pressure_pa: f64) -> Option<f64> {
         let pattern = self.task.space.pattern(at.map(|um| LENGTH_UM.to_si(um))).ok()?;
-        let values = self.explorer.expected_of(pattern)?;
+        let values = self.explorer.sample(&self.task.specimen.layout(pattern).ok()?).0;
         let pressure_mpa = PRESSURE_MPA.from_si(pressure_pa);
         let points = self.task.target.points().iter();
         let pressures: Vec<f64> = points.map(|point| PRESSURE_MPA.from_si(point.pressure_pa)).collect();

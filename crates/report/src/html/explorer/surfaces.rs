@@ -76,6 +76,9 @@ impl FaceData {
         let is_counted = !matches!(texture.planform(), Planform::Crosshatch | Planform::Polygon)
             && !task.specimen.is_clipped
             && dimension.section_of(&first).is_none();
+        if !is_counted {
+            return None;
+        }
         let [x, y] = task.specimen.outline.extents_m().map(|m| LENGTH_UM.from_si(m) / 2.0);
         let (radius, hole, half) = match task.specimen.outline {
             Outline::Disc { .. } => (Some(x), 0.0, [x, y]),
@@ -103,6 +106,5 @@ impl FaceData {
             length: linear(Pattern::length_m)?,
             across: linear(Pattern::pitch_across_m)?,
         })
-        .filter(|_| is_counted)
     }
 }
