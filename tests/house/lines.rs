@@ -11,7 +11,7 @@ const LIMITS: [(&str, usize); 15] = [
     ("traces", 3_150),
     ("laser", 4_550),
     ("infer", 5_735),
-    ("design", 6_880),
+    ("design", 6_895),
     ("io", 9_430),
     ("report", 7_190),
     ("validate", 2_740),

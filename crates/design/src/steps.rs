@@ -22,22 +22,27 @@ pub type Place = [usize; 3];
 /// Lattice of all designs of whole blocks and bursts within the bounds.
 pub struct Steps<'a> {
     task: &'a DesignTask,
-    axes: [Vec<f64>; 3],
-    /// Factor of the depths at each width.
-    factors: Vec<f64>,
+    /// Widths, then spacings, in metres.
+    axes: [Vec<f64>; 2],
+    /// Depths at each width, in metres.
+    depths_m: Vec<Vec<f64>>,
+    /// Numbers of widths, of spacings, and of the depths at the width that has most.
+    counts: [usize; 3],
 }
 
 impl<'a> Steps<'a> {
     /// Creates the lattice of `task`.
     pub fn new(task: &'a DesignTask) -> Self {
-        let (axes, factors) = axes(task);
-        Self { task, axes, factors }
+        let (axes, depths_m) = axes(task);
+        let deepest = depths_m.iter().map(Vec::len).max().unwrap_or(0);
+        let counts = [axes[0].len(), axes[1].len(), deepest];
+        Self { task, axes, depths_m, counts }
     }
 
     /// Returns all designs, or at most `most` of them spread evenly over the bounds, without those that the laser
     /// cannot cut.
     pub fn spread(&self, most: usize) -> Vec<Pattern> {
-        let [_, spacings, depths] = self.axes.each_ref().map(Vec::len);
+        let [_, spacings, depths] = self.counts;
         let least = self.count().div_ceil(most).max(1);
         // A stride coprime to the axis lengths spreads the omitted designs evenly.
         let is_apart = |stride: &usize| common_divisor(*stride, spacings) == 1 && common_divisor(*stride, depths) == 1;
@@ -46,12 +51,12 @@ impl<'a> Steps<'a> {
 
     /// Number of designs, with those that the laser cannot cut.
     fn count(&self) -> usize {
-        self.axes.iter().fold(1, |count, axis| count.saturating_mul(axis.len()))
+        self.counts.into_iter().fold(1, usize::saturating_mul)
     }
 
     /// Every `stride`-th of all designs, width varying slowest, without those that the laser cannot cut.
     pub fn every(&self, stride: usize) -> impl Iterator<Item = Pattern> + '_ {
-        let [_, spacings, depths] = self.axes.each_ref().map(Vec::len);
+        let [_, spacings, depths] = self.counts;
         let place = move |number: usize| [number / (spacings * depths), number / depths % spacings, number % depths];
         (0..self.count()).step_by(stride).filter_map(move |number| self.design(place(number)))
     }
@@ -59,29 +64,22 @@ impl<'a> Steps<'a> {
     /// Index of `design`; `None` if it is not on the lattice.
     pub fn place(&self, design: &Pattern) -> Option<Place> {
         let lengths_m = design.lengths_m();
-        let along = |axis: usize| self.axes[axis].binary_search_by(|node| node.total_cmp(&lengths_m[axis])).ok();
-        let [width, spacing] = [along(0)?, along(1)?];
-        let depth_m = |node: &f64| node * self.factors[width];
-        let depth = self.axes[2].binary_search_by(|node| depth_m(node).total_cmp(&lengths_m[2])).ok()?;
-        Some([width, spacing, depth])
+        let along = |axis: &[f64], length_m: f64| axis.binary_search_by(|node| node.total_cmp(&length_m)).ok();
+        let [width, spacing] = [along(&self.axes[0], lengths_m[0])?, along(&self.axes[1], lengths_m[1])?];
+        Some([width, spacing, along(&self.depths_m[width], lengths_m[2])?])
     }
 
     /// Design at `place`; `None` if the laser cannot cut it.
-    fn design(&self, place: Place) -> Option<Pattern> {
-        let mut lengths_m = std::array::from_fn(|axis| self.axes[axis][place[axis]]);
-        lengths_m[2] *= self.factors[place[0]];
-        let [shallowest_m, deepest_m] = self.task.space.depth_m();
-        if !(shallowest_m..=deepest_m).contains(&lengths_m[2]) {
-            return None;
-        }
-        let design = self.task.space.pattern(lengths_m).ok()?;
+    fn design(&self, [width, spacing, depth]: Place) -> Option<Pattern> {
+        let depth_m = *self.depths_m[width].get(depth)?;
+        let design = self.task.space.pattern([self.axes[0][width], self.axes[1][spacing], depth_m]).ok()?;
         self.task.constraints.limits.violations(&design).is_empty().then_some(design)
     }
 
     /// Neighbours of `place` at a distance of `step` lattice steps along one or more lengths, within the bounds.
     fn about(&self, place: Place, step: usize) -> Vec<Place> {
         let moved = |axis: usize| {
-            let above = Some(place[axis] + step).filter(|moved| *moved < self.axes[axis].len());
+            let above = Some(place[axis] + step).filter(|moved| *moved < self.counts[axis]);
             [place[axis].checked_sub(step), Some(place[axis]), above].into_iter().flatten()
         };
         let mut all = Vec::new();
@@ -178,7 +176,7 @@ mod tests {
         };
         let ended = |most: usize| {
             // Start at the widest and deepest grooves with the narrowest gaps.
-            let start = [steps.axes[0].len() - 1, 1, steps.axes[2].len() - 1];
+            let start = [steps.counts[0] - 1, 1, steps.counts[2] - 1];
             assert_eq!(steps.place(&steps.design(start).unwrap()), Some(start));
             let asked = std::sync::atomic::AtomicUsize::default();
             let value = |design: &Pattern| {
@@ -217,10 +215,25 @@ mod tests {
         }
         let [least_um, most_um] = slipgrid_base::statistics::extremes(passes_um);
         assert!(least_um > 1.9 && most_um > 1.2 * least_um, "{least_um} {most_um}");
-        // The speed makes a fixed depth.
         let [width_m, spacing_m, _] = task.space.lengths_m();
-        task.space = crate::optimize::DesignSpace::new(Planform::Groove, width_m, spacing_m, [7.77e-6; 2]).unwrap();
+        let within = |task: &mut DesignTask, depth_m: [f64; 2]| {
+            task.space = crate::optimize::DesignSpace::new(Planform::Groove, width_m, spacing_m, depth_m).unwrap();
+        };
+        // A part of the designs has nearly as many as are asked for, also where the bounds begin with many passes.
+        within(&mut task, [40e-6, 50e-6]);
+        let found = Steps::new(&task).spread(500).len();
+        assert!((250..=500).contains(&found), "{found}");
+        // A bound in printed digits loses no pass: the deepest design is on it.
+        let deepest_m = Steps::new(&task).every(1).map(|design| design.depth_m()).fold(0.0, f64::max);
+        within(&mut task, [40e-6, deepest_m * (1.0 - 1e-9)]);
+        assert!(Steps::new(&task).every(1).any(|design| design.depth_m() == deepest_m * (1.0 - 1e-9)));
+        // The speed makes a fixed depth.
+        within(&mut task, [7.77e-6; 2]);
         assert!(Steps::new(&task).every(1).all(|design| design.depth_m() == 7.77e-6));
+        // Of very fine passes several are taken at a time.
+        task.laser.depth_per_burst_um = Some(1e-7);
+        within(&mut task, [2e-6, 50e-6]);
+        assert!(Steps::new(&task).counts[2] <= 1001);
     }
 
     #[test]

@@ -12,37 +12,48 @@ use crate::task::DesignTask;
 const DEPTH_STEP_M: f64 = 2e-6;
 /// Maximum number of designs in a table.
 const MAX_NODES: usize = 1_000_000;
+/// Maximum number of intervals between depths in whole passes.
+const MAX_DEPTHS: f64 = 1000.0;
 /// Tolerance for rounding at bounds that are whole steps, as a fraction of a step.
 const WHOLE: f64 = 1e-6;
 
-/// Returns the widths, spacings and depths in whole blocks and bursts within the bounds of `design`, in metres, and a
-/// factor of the depths for each width. The factor is 1, or the depth of a pass over the lines in this width; depths are then
-/// numbers of passes, some of which lie beyond the bounds. A fixed depth is kept: the speed of the laser makes it.
-pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], Vec<f64>) {
+/// Returns the widths and spacings in whole blocks within the bounds of `design`, and for each width the depths in whole
+/// bursts, or in whole passes over the lines in this width, in metres. A fixed depth is kept: the speed of the laser
+/// makes it.
+pub fn axes(design: &DesignTask) -> ([Vec<f64>; 2], Vec<Vec<f64>>) {
     let (space, block_m) = (&design.space, design.layer.block_m);
     let burst_m = design.constraints.limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M);
-    let axis = |[lower_m, upper_m]: [f64; 2], step_m: f64| -> Vec<f64> {
+    let whole = |[lower_m, upper_m]: [f64; 2], step_m: f64| -> Vec<f64> {
+        // Bounds are at most a metre, so the casts are exact.
+        let (first, last) = ((lower_m / step_m - WHOLE).ceil().max(1.0), (upper_m / step_m + WHOLE).floor());
+        (first as u64..=last as u64).map(|step| (step as f64 * step_m).clamp(lower_m, upper_m)).collect()
+    };
+    let axis = |bounds_m: [f64; 2], step_m: f64| -> Vec<f64> {
+        let [lower_m, upper_m] = bounds_m;
         if lower_m == upper_m {
             return vec![lower_m];
         }
-        // Bounds are at most a metre, so the casts are exact.
-        let (first, last) = ((lower_m / step_m - WHOLE).ceil().max(1.0), (upper_m / step_m + WHOLE).floor());
-        let whole: Vec<f64> =
-            (first as u64..=last as u64).map(|step| (step as f64 * step_m).clamp(lower_m, upper_m)).collect();
+        let whole = whole(bounds_m, step_m);
         // If the bounds lie between two steps, the bounds and their middle are used.
         if whole.is_empty() { vec![lower_m, f64::midpoint(lower_m, upper_m), upper_m] } else { whole }
     };
     let [widths_m, spacings_m] = [space.width_m(), space.spacing_m()].map(|bounds_m| axis(bounds_m, block_m));
-    let [shallowest_m, deepest_m] = space.depth_m();
-    let pattern = |width_m: &f64| space.pattern([*width_m, space.spacing_m()[1], shallowest_m]).ok();
-    let pass_m = |width_m| Some(LENGTH_UM.to_si(design.laser.depth_step_um(&pattern(width_m)?)?));
-    if design.laser.has_passes() && shallowest_m < deepest_m {
-        let passes_m: Vec<f64> = widths_m.iter().map(|width_m| pass_m(width_m).unwrap_or(1.0)).collect();
-        let least_m = passes_m.iter().copied().fold(1.0, f64::min);
-        return ([widths_m, spacings_m, (1..=(deepest_m / least_m) as u32).map(f64::from).collect()], passes_m);
+    let depth_m = space.depth_m();
+    let in_passes = |width_m: &f64| -> Option<Vec<f64>> {
+        let pattern = space.pattern([*width_m, space.spacing_m()[1], depth_m[0]]).ok()?;
+        let pass_m = LENGTH_UM.to_si(design.laser.depth_step_um(&pattern)?);
+        // Many passes are taken several at a time.
+        let several = ((depth_m[1] - depth_m[0]) / (pass_m * MAX_DEPTHS)).ceil().max(1.0);
+        Some(whole(depth_m, several * pass_m))
+    };
+    if design.laser.has_passes() && depth_m[0] < depth_m[1] {
+        let depths_m: Vec<Vec<f64>> = widths_m.iter().map(|width_m| in_passes(width_m).unwrap_or_default()).collect();
+        if depths_m.iter().any(|depths_m| !depths_m.is_empty()) {
+            return ([widths_m, spacings_m], depths_m);
+        }
     }
-    let factors = vec![1.0; widths_m.len()];
-    ([widths_m, spacings_m, axis(space.depth_m(), burst_m)], factors)
+    let depths_m = vec![axis(depth_m, burst_m); widths_m.len()];
+    ([widths_m, spacings_m], depths_m)
 }
 
 /// All designs in whole blocks and bursts within bounds and limits of the laser, width varying slowest. Stops after a
