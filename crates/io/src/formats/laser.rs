@@ -107,6 +107,9 @@ pub fn read_laser(
 fn unlike_spot(document: &Document, table: &Spanned<LaserFile>, error: &ExportError) -> Diagnostic {
     let file = table.get_ref();
     match (error, &file.hatch_um, &file.speed_mm_s) {
+        (ExportError::BeyondLaser { relation: "below", limit_um, .. }, Some(hatch), _) => document
+            .refuse(hatch.span(), "lays more than a thousand lines within a spot")
+            .expected(format!("at least {} um", significant(*limit_um, 4))),
         (ExportError::BeyondLaser { limit_um, .. }, Some(hatch), _) => document
             .refuse(hatch.span(), format!("is more than the spot is wide, spot_um = {limit_um}: lines would not meet"))
             .expected(format!("at most {limit_um} um")),

@@ -161,15 +161,6 @@ impl Cavity {
             return face.spans_m(along, at_m);
         }
         let [x_m, y_m] = [self.centre_x_m, self.centre_y_m];
-        // Along x, ends are symmetric about the centre without rounding.
-        if along == [1.0, 0.0] && self.is_aligned() && self.crossed_by.is_none() {
-            let across_m = (at_m - y_m).abs();
-            let half_m = match self.planform.contour() {
-                Contour::Circle => ((self.width_m / 2.0 - across_m) * (self.width_m / 2.0 + across_m)).max(0.0).sqrt(),
-                Contour::Rectangle => self.width_m / 2.0,
-            };
-            return if across_m < self.length_m / 2.0 { vec![[x_m - half_m, x_m + half_m]] } else { Vec::new() };
-        }
         let face = match self.planform.contour() {
             Contour::Circle => Outline::Disc { diameter_m: self.width_m },
             Contour::Rectangle => Outline::Rectangle { length_m: self.width_m, width_m: self.length_m },

@@ -63,6 +63,9 @@ pub struct Laser {
 /// Maximum wall taper, in degrees: walls with a larger taper meet at a very small depth.
 const MAX_TAPER_DEG: f64 = 80.0;
 
+/// Maximum number of lines within a spot. More make no floor more even, and take hours to lay.
+const MAX_LINES_PER_SPOT: f64 = 1000.0;
+
 /// Tolerance of a depth against a multiple of the depth step, in um. Depths are printed to a hundredth of a micrometre.
 const STEP_TOLERANCE_UM: f64 = 0.005 + 1e-9;
 
@@ -70,7 +73,7 @@ impl Laser {
     /// Checks each parameter, and that the distances of lines and of pulses do not exceed the spot.
     ///
     /// # Errors
-    /// [`ExportError::BeyondLaser`] if lines are farther apart than the spot is wide; [`ExportError::PulsesApart`] if
+    /// [`ExportError::BeyondLaser`] if lines are farther apart than the spot is wide or nearer than a thousandth of it; [`ExportError::PulsesApart`] if
     /// pulses are farther apart; [`ExportError::Refused`] for other numbers out of range.
     pub fn validate(&self) -> Result<(), ExportError> {
         all_positive([
@@ -91,6 +94,11 @@ impl Laser {
             return Err(ExportError::out_of_range("wall_taper_deg", taper_deg, &expected));
         }
         let Some(spot_um) = self.spot_um else { return Ok(()) };
+        let limit_um = spot_um / MAX_LINES_PER_SPOT;
+        if let Some(value_um) = self.hatch_um.filter(|hatch_um| *hatch_um < limit_um) {
+            let (what, relation, limit) = ("hatch_um", "below", "a thousandth of spot_um");
+            return Err(ExportError::BeyondLaser { what, value_um, relation, limit, limit_um });
+        }
         let beyond = |what, value_um: f64| {
             let limit = "spot_um";
             Err(ExportError::BeyondLaser { what, value_um, relation: "above", limit, limit_um: spot_um })

@@ -184,7 +184,6 @@ impl Hatch {
         } else if cavity.planform.contour() == Contour::Circle {
             let grown_m = marking.half_spot_m * marking.half_spot_m / (6.0 * half_m);
             cavity.width_m += 2.0 * grown_m;
-            cavity.length_m = cavity.width_m;
             (extent_m, has_side) = ([extent_m[0] - grown_m, extent_m[1] + grown_m], [false; 2]);
         }
         let side_m = match self.wall_inset_m {
@@ -210,9 +209,12 @@ impl Hatch {
             for [low_m, high_m] in face.chords_along_m(along, at_m) {
                 let inside = spans_m.iter().map(|[from_m, to_m]| [from_m.max(low_m), to_m.min(high_m)]);
                 let whole = inside.filter(|[from_m, to_m]| to_m > from_m).map(|ends_m| ends_m.map(point));
-                let parts = whole.flat_map(|line| crossing.as_ref().map_or(vec![line], |of| of.parts_of(line)));
                 // A part between two pulses would get none or one.
-                lines.extend(parts.filter(|part| length_m(part) > marking.pulse_m * (1.0 - ROUNDING)));
+                let holds = |part: &Line| length_m(part) > marking.pulse_m * (1.0 - ROUNDING);
+                match &crossing {
+                    None => lines.extend(whole.filter(holds)),
+                    Some(of) => lines.extend(whole.flat_map(|line| of.parts_of(line)).filter(holds)),
+                }
             }
             if line % 2 == 1 {
                 lines[first..].reverse();

@@ -88,7 +88,7 @@ impl Removal {
         if let Some(std_um) = std_um.filter(|std_um| off_um > *std_um) {
             self.warnings.push(format!(
                 "the floor between lines and on them is {} to {} um deep, uneven by more than the depth's tolerance of {std_um} um: lines \
-                 nearer to each other even it out (hatch_um)",
+                 nearer to each other (hatch_um), at a proportionally lower depth per burst, even it out",
                 decimal(least_um, 1),
                 decimal(greatest_um, 1)
             ));
@@ -167,7 +167,7 @@ impl LayoutHatch {
         Self { lines, length_m: length, apart_m, bare, half_spot_m: marking.half_spot_m, cavity }
     }
 
-    /// Warnings about width, floor and areas that the spot does not reach.
+    /// Warnings about the width that is made and areas that the spot does not reach.
     fn shape_warnings(&self, layout: &Layout) -> Vec<String> {
         let Some(cavity) = &self.cavity else { return Vec::new() };
         let mut warnings = unreached::warnings(layout, self.half_spot_m, self.bare, cavity.made_share());
@@ -200,7 +200,6 @@ impl LayoutHatch {
 
     /// Number of passes that comes nearest to the depth of the design; `None` if laser parameters are missing.
     pub(crate) fn passes(&self, layout: &Layout, laser: &Laser) -> Option<u32> {
-        laser.depth_per_burst_um.and(laser.pulse_distance_um()).and(laser.speed_mm_s)?;
         let passes = layout.pattern().depth_m() * 1e6 / self.per_pass_um(laser)?;
         // At most a billion, so that the cast cannot overflow.
         Some(passes.round().clamp(1.0, MAX_PASSES) as u32)
