@@ -12,7 +12,7 @@ const LIMITS: [(&str, usize); 15] = [
     ("laser", 4_550),
     ("infer", 5_735),
     ("design", 6_895),
-    ("io", 9_430),
+    ("io", 9_445),
     ("report", 7_190),
     ("validate", 2_740),
     ("slipgrid", 100),
