@@ -133,7 +133,7 @@ fn reported(
     let can_gain = asked.has_demands() && !is_out_of_reach && matches!(advice, Advice::Trial | Advice::Series);
     let reached = if can_gain { bounds_reached(task, &pattern) } else { Vec::new() };
     let slopes = slopes(search, best);
-    let (trade_offs, compared) = trade_offs::of(search, best, &found.solved).unzip();
+    let (trade_offs, compared) = trade_offs::of(search, (best, Some(&confirmed)), &found.solved).unzip();
     let own = best.full_report(search);
     let worth_cutting =
         if matches!(advice, Advice::CannotBeMet { .. } | Advice::MeasureAgain { .. }) { 1 } else { 1 + OTHERS };

@@ -10,6 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use slipgrid_base::units::{PRESSURE_MPA, counted, tidy};
 use slipgrid_model::pattern::Pattern;
+use slipgrid_model::springblock::Simulation;
 
 use crate::prediction::{Prediction, percent};
 use crate::search::Search;
@@ -75,8 +76,13 @@ impl ListedDesign {
 }
 
 /// Compares textures within the bounds and limits of `search`, those that it `solved` and `best`, one of these, among
-/// them, by the goals of its task; `None` if the task has no goals, or `best` breaks a limit.
-pub fn of(search: &Search<'_>, best: &Prediction, solved: &[Prediction]) -> Option<(TradeOffsReport, Compared)> {
+/// them, by the goals of its task; `None` if the task has no goals, or `best` breaks a limit. `run` is the confirming run
+/// of `best`.
+pub fn of(
+    search: &Search<'_>,
+    (best, run): (&Prediction, Option<&Simulation>),
+    solved: &[Prediction],
+) -> Option<(TradeOffsReport, Compared)> {
     let wanted = search.task.trade_offs.clone().filter(|_| best.texture.excess == 0.0)?;
     let own = best.texture.pattern;
     let mut patterns = Steps::new(search.task).spread(wanted.designs);
@@ -84,7 +90,7 @@ pub fn of(search: &Search<'_>, best: &Prediction, solved: &[Prediction]) -> Opti
     patterns.extend(solved.collect::<Vec<_>>());
     let off = search.off_at(best);
     // The run of a specimen adds borders and stick-slip to the peak pressure by the table: taken as equal for all.
-    let peak_off = best.texture.run.as_ref().zip(search.table.answer(&own));
+    let peak_off = run.zip(search.table.answer(&own));
     let peak_off = peak_off.map_or(1.0, |(run, own)| run.peak_pressure_pa() / own.peak_pressure_pa());
     let value = |found: &Prediction, goal: &TradeOffGoal| value(search, found, *goal, peak_off);
     let roughly = |pattern: &Pattern| {

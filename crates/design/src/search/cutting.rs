@@ -27,24 +27,18 @@ impl Search<'_> {
         let by_table: Vec<f64> = self.table.by_face(&found.texture.pattern).iter().map(|by| -by).collect();
         let cell = found.texture.clone().moved(&by_table);
         let pattern = cell.pattern;
-        if let (Some(face), true) = (&self.beyond.face, self.models.own.dimension().takes_strips()) {
+        let in_plane = self.models.own.dimension().takes_strips();
+        // In space a run takes seconds, and its ratio scatters with the drawn coefficients: only its peak pressure counts.
+        let run = self.beyond.face.as_ref().filter(|_| in_plane || self.limits_peak()).and_then(|face| {
             let scene = confirming_scene(self.prepared, self.models.own, &pattern, false);
-            let run = run_in_time(&scene, face, &Share::new(self.stage, 0.0)).ok();
-            if let Some((by_run, run)) = run.and_then(|run| Some((self.beyond.by_run(&cell.ratio, &run)?, run))) {
-                let mut parts = cell.parts.clone();
-                parts.extend(OF_RUN.iter().filter_map(|effect| self.of_effect(*effect, &log_stds(*effect, &run))));
-                // The outer lands of a specimen carry a higher pressure than an infinite pattern, and stick-slip adds to it.
-                let of_run_mpa = PRESSURE_MPA.from_si(run.peak_pressure_pa());
-                let raised = |cell: &Answer| Answer {
-                    peak_pressure_mpa: cell.peak_pressure_mpa.max(of_run_mpa),
-                    ..cell.clone()
-                };
-                let limited = cell.limited.as_ref().map(raised);
-                let texture = cell.moved(&by_run).with_parts(parts);
-                let limited = limited.and_then(|answer| self.limited(texture.clone(), &answer).ok());
-                let texture = limited.unwrap_or(texture);
-                return self.predicted(CutTexture { known: Known::AsCut, run: Some(Arc::new(run)), ..texture });
-            }
+            run_in_time(&scene, face, &Share::new(self.stage, 0.0)).ok()
+        });
+        if let Some(run) = run.as_ref().filter(|_| in_plane)
+            && let Some(by_run) = self.beyond.by_run(&cell.ratio, run)
+        {
+            let mut parts = cell.parts.clone();
+            parts.extend(OF_RUN.iter().filter_map(|effect| self.of_effect(*effect, &log_stds(*effect, run))));
+            return self.predicted(self.as_run(cell.moved(&by_run).with_parts(parts), run));
         }
         let (by_face, by_time) = rayon::join(
             || self.beyond.by_face(&pattern, &cell.ratio, false, self.stage),
@@ -55,7 +49,7 @@ impl Search<'_> {
         }
         let mut parts = cell.parts.clone();
         let texture = cell.moved(&by_face).moved(&by_time);
-        if self.models.own.dimension().takes_strips() {
+        if in_plane {
             return self.predicted(CutTexture { known: Known::AsCut, ..texture });
         }
         // In space the face adds the tilt alone, and the error of the layout.
@@ -67,7 +61,21 @@ impl Search<'_> {
         let by_law = self.models.local_law_in_own_blocks(self.prepared, &pattern);
         let each = texture.sensitivity.iter_mut().zip(by_law);
         each.for_each(|(sensitivity, by_law)| sensitivity.local_law = by_law);
-        self.predicted(CutTexture { known: Known::AsCut, ..texture })
+        self.predicted(match &run {
+            Some(run) => self.as_run(texture, run),
+            None => CutTexture { known: Known::AsCut, ..texture },
+        })
+    }
+
+    /// Adds `run` of the specimen to `texture`, and compares the higher of its peak pressure and that of the cell with the
+    /// limits: the outer lands of a specimen carry a higher pressure than an infinite pattern, and stick-slip adds to it.
+    fn as_run(&self, texture: CutTexture, run: &Simulation) -> CutTexture {
+        let of_run_mpa = PRESSURE_MPA.from_si(run.peak_pressure_pa());
+        let raised =
+            |cell: &Answer| Answer { peak_pressure_mpa: cell.peak_pressure_mpa.max(of_run_mpa), ..cell.clone() };
+        let limited = texture.limited.as_ref().map(raised);
+        let limited = limited.and_then(|answer| self.limited(texture.clone(), &answer).ok());
+        CutTexture { known: Known::AsCut, run: Some(Arc::new(run.clone())), ..limited.unwrap_or(texture) }
     }
 
     /// Uncertainty from `effect`, an error common to all loads and conditions: `log` has its standard deviation of ln R at

@@ -15,7 +15,8 @@ fn a_trade_off_beside_the_design_has_its_chance() {
             let best = search.best(&|_| true, 1).solved.remove(0);
             let beside = best.texture.pattern.lengths_m().map(|length_m| length_m * (1.0 - 1e-9));
             let beside = search.solved(&search.task.space.pattern(beside).unwrap()).unwrap();
-            let (report, compared) = trade_offs::of(search, &best, std::slice::from_ref(&beside)).unwrap();
+            let (report, compared) =
+                trade_offs::of(search, (&best, best.texture.run.as_deref()), std::slice::from_ref(&beside)).unwrap();
             assert_eq!(report.chosen[0], tidy(best.chance()));
             let mut all = compared.front.iter().chain(&compared.dominated);
             let known = all.find(|known| known.design == beside.texture.pattern).unwrap();
