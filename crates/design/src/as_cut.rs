@@ -47,8 +47,8 @@ pub struct CutTexture {
     pub dimension_shifts: Vec<DimensionShift>,
     /// Inputs that the covariance and the shifts are composed of; empty if interpolated.
     pub parts: Vec<Part>,
-    /// Model's answer that limits are compared with, without ratios: that of the cell, with the peak pressure of the
-    /// specimen's run where this is higher. `None` before limits were compared.
+    /// Model's answer that limits are compared with: that of the cell, with the peak pressure of the specimen's run where
+    /// this is higher, and without ratios if interpolated. `None` before limits were compared.
     pub limited: Option<Answer>,
     /// Sum of the violations of limits by `limited`, each relative to its limit: 0 if all limits hold.
     pub excess: f64,

@@ -20,7 +20,7 @@ use crate::prediction::{Prediction, chance_of};
 use crate::prepared_task::PreparedTask;
 use crate::search::Search;
 use crate::session::with_table;
-use crate::table::{Density, axes_between, filled, random_places};
+use crate::table::{Density, axes_between, counts, filled, random_places};
 use crate::task::{DesignTask, KnownMaterial};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
@@ -291,7 +291,7 @@ impl Explorer {
         if search.stage.cancelled() {
             return None;
         }
-        let (all, holes) = filled(answers, &axes)?;
+        let (all, holes) = filled(answers, counts(&axes))?;
         let ends = [3 * loads * quantile_nodes, 3 * loads * quantile_nodes + log_odds_nodes];
         let own = laid(&about.texture.pattern.lengths_m().map(|m| LENGTH_UM.from_si(m)))?;
         let mixed = |numbers: &[f64]| {

@@ -104,8 +104,7 @@ impl Search<'_> {
     ///
     /// # Errors
     /// [`ModelFailure`] if the specimen does not take the pattern.
-    fn limited(&self, texture: CutTexture, answer: &Answer) -> Result<CutTexture, ModelFailure> {
-        let answer = Answer { ratio: Vec::new(), ..*answer };
+    fn limited(&self, texture: CutTexture, answer: Answer) -> Result<CutTexture, ModelFailure> {
         let excess = self.violations(&texture.pattern, &answer)?.iter().map(Violation::excess).sum();
         Ok(CutTexture { excess, limited: Some(answer), ..texture })
     }
@@ -137,9 +136,10 @@ impl Search<'_> {
         let (modelled, answer) = self.table.at(pattern, laid)?;
         let shifts = self.table.dimension_shifts(pattern, laid, &self.task.tolerances.unwrap_or_default())?;
         let texture = CutTexture::interpolated(*pattern, modelled, shifts);
-        let texture = texture.moved(&self.table.by_blocks(pattern)).moved(&self.table.by_face(pattern));
+        let by_face = self.table.by_face(pattern, &texture.ratio);
+        let texture = texture.moved(&by_face);
         let answer = Answer { peak_pressure_mpa: peak * answer.peak_pressure_mpa, ..answer };
-        self.limited(texture, &answer).ok()
+        self.limited(texture, answer).ok()
     }
 
     /// Interpolates `pattern` in the table, corrected by the known errors of the table at solved textures.
@@ -162,7 +162,7 @@ impl Search<'_> {
             let peak = known.run_over_cell(pattern);
             let raised = |cell: &Answer| Answer { peak_pressure_mpa: peak * cell.peak_pressure_mpa, ..cell.clone() };
             let limited = texture.limited.as_ref().filter(|_| peak > 1.0).map(raised);
-            let limited = limited.and_then(|answer| self.limited(texture.clone(), &answer).ok());
+            let limited = limited.and_then(|answer| self.limited(texture.clone(), answer).ok());
             let texture = limited.unwrap_or(texture);
             self.predicted(texture)
         };
@@ -240,19 +240,19 @@ impl Search<'_> {
     /// # Errors
     /// [`ModelFailure`] if the pattern cannot be computed.
     pub fn solved(&self, pattern: &Pattern) -> Result<Prediction, ModelFailure> {
-        let modelled = self.models.at(pattern)?;
+        let (modelled, answer) = self.models.at(pattern)?;
         let mut ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
         let content = (self.models.own.content(), pattern);
-        let refine = || self.models.refined(pattern, false).ok_or(());
+        let refine = || self.models.refined(pattern, &answer.ratio).ok_or(());
         let refined = cached(self.stage, ("refined ratios", &content), 0.0, refine).ok();
         if let Some((shifts, _)) = &refined {
             ratio.iter_mut().zip(shifts).for_each(|(ratio, shift)| *ratio += shift);
         }
         let parts = self.inputs.parts(pattern, &ratio, refined.map(|(_, open)| open))?;
-        let answer = self.models.own.steady(pattern)?;
+        let by_face = self.table.by_face(pattern, &answer.ratio);
         let texture = CutTexture::interpolated(*pattern, modelled, Vec::new()).with_parts(parts);
-        let texture = self.limited(CutTexture { ratio, known: Known::Solved, ..texture }, &answer)?;
-        Ok(self.predicted(texture.moved(&self.table.by_face(pattern))))
+        let texture = self.limited(CutTexture { ratio, known: Known::Solved, ..texture }, answer)?;
+        Ok(self.predicted(texture.moved(&by_face)))
     }
 
     fn limits_peak(&self) -> bool {

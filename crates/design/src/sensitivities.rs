@@ -12,6 +12,7 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Scene, block_refinement};
 
 use crate::DesignError;
+use crate::evaluation_cache::Answer;
 use crate::prepared_task::PreparedTask;
 use crate::steady_model::SteadyModel;
 
@@ -139,14 +140,15 @@ impl<'a> Models<'a> {
         (both, laws)
     }
 
-    /// Computes the model values of `design`.
+    /// Computes the model values of `design`, and the results that they come from.
     ///
     /// # Errors
     /// [`ModelFailure`] if the design cannot be computed, or its cavities close.
-    pub fn at(&self, design: &Pattern) -> Result<Modelled, ModelFailure> {
-        let log_ratio: Vec<f64> = self.own.steady(design)?.ratio.iter().map(|ratio| ratio.ln()).collect();
+    pub fn at(&self, design: &Pattern) -> Result<(Modelled, Answer), ModelFailure> {
+        let answer = self.own.steady(design)?;
+        let log_ratio: Vec<f64> = answer.ratio.iter().map(|ratio| ratio.ln()).collect();
         let sensitivity = from_numbers(&self.numbers(design)?, log_ratio.len());
-        Ok(Modelled { log_ratio, sensitivity, face_share: self.own.lay(design)?.share(design) })
+        Ok((Modelled { log_ratio, sensitivity, face_share: self.own.lay(design)?.share(design) }, answer))
     }
 
     /// Computes d ln R / d ln E, R the friction ratio and E Young's modulus, of `design` at every load, followed by the
@@ -179,21 +181,18 @@ impl<'a> Models<'a> {
         Ok(stiffer?.iter().zip(&softer?).map(slope).collect())
     }
 
-    /// Change of each ratio of `design` by smaller blocks, and standard deviation due to the remaining block size;
-    /// `None` for rims in space, in several directions, and if smaller blocks are too expensive. `is_rough` saves the
-    /// smallest blocks of shallow cavities, for comparisons of many textures.
-    pub fn refined(&self, design: &Pattern, is_rough: bool) -> Option<(Vec<f64>, Vec<f64>)> {
+    /// Change of each of `ratios`, those of `design`, by smaller blocks, and standard deviation due to the remaining
+    /// block size; `None` for rims in space, in several directions, and if smaller blocks are too expensive.
+    pub fn refined(&self, design: &Pattern, ratios: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         if self.own.has_directions() {
             return None;
         }
-        let laid = self.own.lay(design).ok()?;
-        let share = laid.share(design);
-        let ratios = self.own.ratios_made(design, &laid).ok()?;
+        let share = self.own.lay(design).ok()?.share(design);
         // Ratio of the cell, with the areal densities D of specimen and period: 1 - r = (1 - r_cell) D / D_period
         let own: Vec<Option<f64>> = ratios.iter().map(|ratio| Some(1.0 - (1.0 - ratio) / share)).collect();
         let cell = self.own.cell(design, false);
         let is_shallow = design.depth_m() < SHALLOW * cell.layer.block_m;
-        let most = if is_shallow && !is_rough { MAX_REFINED_IF_SHALLOW } else { MAX_REFINED };
+        let most = if is_shallow { MAX_REFINED_IF_SHALLOW } else { MAX_REFINED };
         let refined = block_refinement(&cell, &own, most)?;
         // The error is an upper bound, taken as two standard deviations.
         let open = refined.errors.iter().map(|error| 0.5 * share * error).collect();

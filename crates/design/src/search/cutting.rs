@@ -24,8 +24,9 @@ impl Search<'_> {
         if found.texture.known == Known::AsCut {
             return found.clone();
         }
-        let by_table: Vec<f64> = self.table.by_face(&found.texture.pattern).iter().map(|by| -by).collect();
-        let cell = found.texture.clone().moved(&by_table);
+        let ratios = found.texture.limited.iter().flat_map(|answer| &answer.ratio).copied().collect::<Vec<f64>>();
+        let by_table = self.table.by_face(&found.texture.pattern, &ratios);
+        let cell = found.texture.clone().moved(&by_table.iter().map(|by| -by).collect::<Vec<f64>>());
         let pattern = cell.pattern;
         let in_plane = self.models.own.dimension().takes_strips();
         // In space a run takes seconds, and its ratio scatters with the drawn coefficients: only its peak pressure counts.
@@ -74,7 +75,7 @@ impl Search<'_> {
         let raised =
             |cell: &Answer| Answer { peak_pressure_mpa: cell.peak_pressure_mpa.max(of_run_mpa), ..cell.clone() };
         let limited = texture.limited.as_ref().map(raised);
-        let limited = limited.and_then(|answer| self.limited(texture.clone(), &answer).ok());
+        let limited = limited.and_then(|answer| self.limited(texture.clone(), answer).ok());
         CutTexture { known: Known::AsCut, run: Some(Arc::new(run.clone())), ..limited.unwrap_or(texture) }
     }
 

@@ -30,7 +30,7 @@ fn drawn(search: &Search<'_>, lengths_m: [f64; 3], count: u32) -> (f64, f64) {
         // Model of the sample as made, with the discrepancy and the local law of the texture as made.
         let ratio = model.ratios_made(&made, &laid).unwrap();
         let designed_for = found.texture.sensitivity.iter();
-        let own = search.models.at(&made).unwrap().sensitivity.into_iter().zip(designed_for);
+        let own = search.models.at(&made).unwrap().0.sensitivity.into_iter().zip(designed_for);
         let own: Vec<Sensitivity> =
             own.map(|(made, designed)| Sensitivity { modulus: designed.modulus, ..made }).collect();
         let features = Features::on_face(&made, laid.share(&made));
