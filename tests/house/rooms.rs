@@ -58,7 +58,8 @@ pub fn sources(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Lines of `text`, numbered from 1, without comments and without items that are compiled only for tests. In formatted
-/// text such an item ends with the first line of the same indentation that closes a brace or a statement.
+/// text such an item ends with the first line of the same indentation that closes its brace, or its statement if it has
+/// opened no brace: a string in its body may hold lines that end like a statement.
 pub fn code(text: &str) -> Vec<(usize, &str)> {
     let mut kept = Vec::new();
     let mut lines = text.lines().enumerate();
@@ -68,10 +69,14 @@ pub fn code(text: &str) -> Vec<(usize, &str)> {
             continue;
         }
         let indentation = line.len() - line.trim_start().len();
-        let ends = |line: &str| {
-            line.len() - line.trim_start().len() == indentation && (line.ends_with('}') || line.ends_with([';', ',']))
-        };
-        lines.by_ref().find(|(_, line)| ends(line));
+        let mut opened = false;
+        for (_, line) in lines.by_ref().filter(|(_, line)| line.len() - line.trim_start().len() == indentation) {
+            let ends = if opened { line.trim_start().starts_with('}') } else { line.ends_with(['}', ';', ',']) };
+            if ends && !line.ends_with('{') {
+                break;
+            }
+            opened |= line.ends_with('{');
+        }
     }
     kept
 }
@@ -79,8 +84,8 @@ pub fn code(text: &str) -> Vec<(usize, &str)> {
 #[test]
 fn only_what_is_compiled_for_tests_alone_is_left_unread() {
     let text = "use a;\n#[cfg(test)]\nmod tests;\nfn b() {} // c\nimpl D {\n    #[cfg(test)]\n    fn e() {\n        f();\n    }\n}\n\
-                #[cfg(test)]\nmod more {\n    fn g() {}\n}\nfn h() {}\n";
-    assert_eq!(code(text), [(1, "use a;"), (4, "fn b() {} "), (5, "impl D {"), (10, "}"), (15, "fn h() {}")]);
+                #[cfg(test)]\nmod more {\n    const G: &str = \"\n{};\n\";\n    fn g() {}\n}\nfn h() {}\n";
+    assert_eq!(code(text), [(1, "use a;"), (4, "fn b() {} "), (5, "impl D {"), (10, "}"), (18, "fn h() {}")]);
 }
 
 /// Asserts that no code of `files` contains one of `words`.
