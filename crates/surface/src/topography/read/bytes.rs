@@ -101,19 +101,19 @@ pub(crate) fn exact<const N: usize>(
     Ok(bytes)
 }
 
-/// Skips `count` bytes; `what` names the part of the file in errors.
-pub(crate) fn skip(
+/// Reads the next `count` bytes, which must be few; `what` names the part of the file in errors.
+pub(super) fn next_bytes(
     source: &mut impl Read,
     format: &'static str,
     what: &'static str,
     count: u64,
-) -> Result<(), ReadError> {
-    let skipped =
-        std::io::copy(&mut source.take(count), &mut std::io::sink()).map_err(|error| unreadable(format, &error))?;
-    if skipped < count {
-        return Err(ReadError::Ended { format, what, expected: count, found: skipped });
+) -> Result<Vec<u8>, ReadError> {
+    let mut bytes = Vec::new();
+    let found = source.take(count).read_to_end(&mut bytes).map_err(|error| unreadable(format, &error))? as u64;
+    if found < count {
+        return Err(ReadError::Ended { format, what, expected: count, found });
     }
-    Ok(())
+    Ok(bytes)
 }
 
 /// Reads `count` numbers, which may be big endian, until `window` is full; `height` converts a number to a height of
@@ -206,7 +206,7 @@ mod tests {
         let message = all(&[0; 9], Number::F64, false, 1 << 60).unwrap_err().to_string();
         assert!(message.contains("after 1 of") && message.contains(&(1_u64 << 60).to_string()), "{message}");
         assert!(exact::<4>(&mut &[1_u8, 2][..], "test", "header").is_err());
-        assert!(skip(&mut &[0_u8; 3][..], "test", "comment", 4).is_err());
+        assert!(next_bytes(&mut &[0_u8; 3][..], "test", "comment", 4).is_err());
     }
 
     #[test]

@@ -296,12 +296,10 @@ impl Header {
     pub(super) fn notes(&self) -> Vec<String> {
         let named = self.unused.iter().take(MAX_NAMED);
         let more = self.unused.len().saturating_sub(MAX_NAMED);
-        named
-            .map(|(line, text)| format!("line {line} of the header is not used: \"{text}\""))
-            .chain(
-                (more > 0).then(|| format!("{more} more lines of the header that state units or lengths are not used")),
-            )
-            .collect()
+        let named = named.map(|(line, text)| format!("line {line} of the header is not used: \"{text}\""));
+        let more =
+            (more > 0).then(|| format!("{more} more lines of the header that state units or lengths are not used"));
+        named.chain(more).collect()
     }
     /// Reads column titles such as `x_um,y_um,z_nm`, `X [um]  Y [um]  Z [nm]` or `"X (mm)","Y (mm)","Height (um)"`.
     fn titles(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {

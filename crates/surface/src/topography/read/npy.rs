@@ -4,7 +4,7 @@
 
 use std::io::Read;
 
-use super::bytes::{Number, at_end, exact, header_too_long, numbers, unreadable};
+use super::bytes::{Number, at_end, exact, header_too_long, next_bytes, numbers, unreadable};
 use super::header::Header;
 use super::lines::excerpt;
 use super::matrix::MatrixReader;
@@ -24,16 +24,12 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         1 => u32::from(u16::from_le_bytes(exact(&mut source, FORMAT, "header")?)),
         2 | 3 => u32::from_le_bytes(exact(&mut source, FORMAT, "header")?),
         version => return Err(refused("version", version.to_string(), "1, 2 or 3")),
-    } as usize;
-    if length > MAX_HEADER_BYTES {
+    };
+    if length as usize > MAX_HEADER_BYTES {
         return Err(header_too_long(FORMAT, MAX_HEADER_BYTES));
     }
-    let mut header = String::new();
-    (&mut source).take(length as u64).read_to_string(&mut header).map_err(|error| unreadable(FORMAT, &error))?;
-    if header.len() < length {
-        let (expected, found) = (length as u64, header.len() as u64);
-        return Err(ReadError::Ended { format: FORMAT, what: "header", expected, found });
-    }
+    let header = next_bytes(&mut source, FORMAT, "header", length.into())?;
+    let header = String::from_utf8(header).map_err(|error| unreadable(FORMAT, &error))?;
     let number = number(&header)?;
     let fortran_order = match entry(&header, "fortran_order") {
         Some(value) if value.starts_with("True") => true,

@@ -22,7 +22,7 @@ use std::io::{BufRead, Cursor, Read};
 
 use flate2::bufread::ZlibDecoder;
 
-use super::bytes::{Number, array, at_end, exact, numbers, skip, text, unreadable};
+use super::bytes::{Number, array, at_end, exact, next_bytes, numbers, text, unreadable};
 use super::lines::excerpt;
 use super::overridden::StatedValues;
 use super::window::Window;
@@ -131,8 +131,10 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
             keep_comment(&mut comments, &format!("{name}: {value}"));
         }
     }
-    read_comment(&mut source, header.short(334), &mut comments)?;
-    skip(&mut source, FORMAT, "private zone", header.short(336).into())?;
+    for line in text(&next_bytes(&mut source, FORMAT, "comment", header.short(334).into())?).lines() {
+        keep_comment(&mut comments, line.trim());
+    }
+    next_bytes(&mut source, FORMAT, "private zone", header.short(336).into())?;
     if header.short(290) != 0 {
         notes.push(
             "the header says that heights have been inverted or mirrored; they are taken as they stand".to_owned(),
@@ -152,19 +154,6 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
     }
     let (map, whole) = window.finish_lines(pixel_m, |height| unit.to_metres(height * step_z + offset_z))?;
     Ok(ReadMap { map, whole, format: MapFormat::Sur, comments, notes })
-}
-
-fn read_comment(source: &mut impl Read, length: u16, comments: &mut Vec<String>) -> Result<(), ReadError> {
-    let mut bytes = Vec::new();
-    source.take(length.into()).read_to_end(&mut bytes).map_err(|error| unreadable(FORMAT, &error))?;
-    if bytes.len() < usize::from(length) {
-        let (expected, found) = (length.into(), bytes.len() as u64);
-        return Err(ReadError::Ended { format: FORMAT, what: "comment", expected, found });
-    }
-    for line in text(&bytes).lines() {
-        keep_comment(comments, line.trim());
-    }
-    Ok(())
 }
 
 /// Concatenated streams of compressed data.

@@ -82,16 +82,10 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
         );
     };
     let own_m = header.pixel_mm.map(|pixel_mm| LengthUnit::Millimetre.to_metres(pixel_mm));
-    let own_m = [own_m, own_m.map(|pixel_m| pixel_m * header.aspect.unwrap_or(1.0))];
-    let pixel_m = match (options.pixel_m, own_m) {
-        (Some(given_m), _) => given_m,
-        (None, [Some(x_m), Some(y_m)]) => [x_m, y_m],
-        _ => {
-            return Err(
-                Entry::new(FORMAT, "Pixel_size", "").refused("a number of millimetres, or a pixel size by option")
-            );
-        }
-    };
+    let own_m = own_m.map(|pixel_m| [pixel_m, pixel_m * header.aspect.unwrap_or(1.0)]);
+    let pixel_m = options.pixel_m.or(own_m).ok_or_else(|| {
+        Entry::new(FORMAT, "Pixel_size", "").refused("a number of millimetres, or a pixel size by option")
+    })?;
     let own = header.scale()?;
     let scale = options.height_unit.map_or(own, Scale::from);
     // Lines of the file run along y, lines of a crop along x.
@@ -115,7 +109,11 @@ pub(super) fn read(source: impl BufRead, options: &ReadOptions) -> Result<ReadMa
         found += 1;
     }
     let (map, whole) = window.finish(pixel_m, |height| scale.to_metres(height))?;
-    let stated = StatedValues { pixel_m: own_m, height_unit: Some(own), lateral_unit: None };
+    let stated = StatedValues {
+        pixel_m: own_m.map_or([None; 2], |sides_m| sides_m.map(Some)),
+        height_unit: Some(own),
+        lateral_unit: None,
+    };
     let notes = stated.notes(options, MapFormat::Matrix);
     Ok(ReadMap { map, whole, format: MapFormat::Matrix, comments: header.comments, notes })
 }
