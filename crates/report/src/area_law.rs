@@ -109,12 +109,7 @@ pub fn table(report: &AreaLawReport) -> String {
         report.youngs_modulus_gpa,
         fixed(Some(report.poisson_ratio), 3),
     );
-    for statement in &report.model {
-        text += &format!("- {statement}\n");
-    }
-    for warning in &report.warnings {
-        text += &format!("! {warning}\n");
-    }
+    text += &(crate::marked("-", &report.model) + &crate::marked("!", &report.warnings));
     let mut table = Table::of(&report.results);
     table.column("P MPa", |at| at.pressure_mpa.to_string());
     table.column("area", |at| fixed(Some(at.area_fraction), 5));

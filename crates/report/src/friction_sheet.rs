@@ -146,8 +146,7 @@ impl FrictionSheet {
         }
         text += &format!("\n## Friction\n\n{FRICTION_WORDS}\n\n{}", markdown_table(&self.friction));
         if !self.not_given.is_empty() {
-            text += "\n## Not given\n\n";
-            self.not_given.iter().for_each(|item| text += &format!("- {item}\n"));
+            text += &format!("\n## Not given\n\n{}", crate::marked("-", &self.not_given));
         }
         text
     }

@@ -34,6 +34,11 @@ pub use laser_files::{DrawingInput, LaserFile, Unwritten, draw, draw_next, draw_
 pub use slipgrid_io::{Content, Failure, Outputs};
 pub use slipgrid_laser::export::ProcessInput;
 
+/// Formats every one of `lines` as a line that begins with `mark` and a blank.
+pub fn marked<T: std::fmt::Display>(mark: &str, lines: impl IntoIterator<Item = T>) -> String {
+    lines.into_iter().map(|line| format!("{mark} {line}\n")).collect()
+}
+
 impl From<ChartError> for Failure {
     fn from(error: ChartError) -> Self {
         Self::failed(error)

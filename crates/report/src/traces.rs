@@ -190,8 +190,5 @@ pub fn summary(conditions: &[ConditionTraces]) -> String {
         table.column("period s", of_trace(2, |found| found.stick_slip.map(|slip| slip.period_s)));
         text += &format!("{}\n", table.table());
     }
-    for note in notes(conditions) {
-        text += &format!("- {note}\n");
-    }
-    text
+    text + &crate::marked("-", notes(conditions))
 }

@@ -70,12 +70,7 @@ impl Fitted {
     pub fn summary(&self) -> String {
         let (stated, provenance) = (&self.calibration.stated, &self.outcome.material.provenance);
         let mut text = format!("{} ({})\n", stated.name, stated.source);
-        for warning in &provenance.warnings {
-            text += &format!("! {warning}\n");
-        }
-        for note in &provenance.notes {
-            text += &format!("- {note}\n");
-        }
+        text += &(crate::marked("!", &provenance.warnings) + &crate::marked("-", &provenance.notes));
         text += &format!("\n{}", self.flat_samples());
         let peaks = self.static_rows();
         text += &static_words(&peaks).map_or_else(String::new, |words| format!("\n{words}\n{}", static_table(&peaks)));

@@ -128,7 +128,7 @@ impl Cavities {
         let crossing = self.0.crossing.as_ref().map_or_else(String::new, |crossing| format!("\n! {crossing}\n"));
         let round = if self.0.round { format!("  {ROUND}\n") } else { String::new() };
         let staggered = self.0.staggered.as_ref().map_or_else(String::new, |rows| format!("  {rows}\n"));
-        let warnings: String = self.warnings().map(|warning| format!("! {warning}\n")).collect();
+        let warnings = crate::marked("!", self.warnings());
         let (noun, verb) = if self.0.cavities.len() == 1 { ("cavity", "takes") } else { ("cavities", "take") };
         format!(
             "\n{table}{round}{staggered}{warnings}\n{} {noun} {verb} {:.1} % of the map{}; land Sq {} um\n{crossing}\n{edges}\n{rim}{wall}\n",

@@ -222,12 +222,7 @@ impl SurfaceReport {
             self.pixel_um[0],
             self.pixel_um[1],
         );
-        for statement in &self.model {
-            text += &format!("- {statement}\n");
-        }
-        for warning in &self.warnings {
-            text += &format!("! {warning}\n");
-        }
+        text += &(crate::marked("-", &self.model) + &crate::marked("!", &self.warnings));
         // Two parameters a row, so that all fit on one screen.
         let cells = |of: &Parameter| [of.symbol.to_owned(), of.digits(), of.unit.to_owned()];
         let (left, right) = self.parameters.split_at(self.parameters.len().div_ceil(2));

@@ -125,7 +125,7 @@ impl TrialsReport {
     /// Formats the ledger as text.
     pub fn text(&self) -> String {
         let mut text = self.heading() + "\n";
-        self.warnings.iter().for_each(|warning| text += &format!("! {warning}\n"));
+        text += &crate::marked("!", &self.warnings);
         if self.trials.is_empty() {
             text += "no trial was measured: what the model lacks is as wide as what is believed before\n";
         } else {

@@ -17,7 +17,7 @@ const WITH_FRONT: [usize; 2] = [0, 2];
 /// Formats the comparison as Markdown.
 pub fn markdown(of: &Accuracy) -> String {
     let mut text = format!("# Speed against error ({})\n\n", of.size);
-    of.model.iter().for_each(|statement| text += &format!("- {statement}\n"));
+    text += &slipgrid_report::marked("-", &of.model);
     if let Some(reference) = of.methods.first() {
         text += "\n## Reference\n\n| quantity | mean | +- | standard deviation between draws |\n|---|---:|---:|---:|\n";
         for (name, value) in OBSERVABLES.iter().zip(&reference.values) {

@@ -11,7 +11,7 @@ use super::tables::{self, Captioned, planforms, solutions};
 pub fn text(report: &ValidationReport) -> String {
     let trial = report.trial.as_ref().map_or_else(String::new, |name| format!(", trial \"{name}\""));
     let mut text = format!("{} ({}){trial}\n", report.name, report.source);
-    report.model.iter().for_each(|statement| text += &format!("- {statement}\n"));
+    text += &slipgrid_report::marked("-", &report.model);
     let mut add = |(caption, table): Captioned, statements: &[String]| {
         if !table.body().is_empty() {
             text += &format!("\n{caption}\n\n{table}");
@@ -27,9 +27,7 @@ pub fn text(report: &ValidationReport) -> String {
     if let Some(rims) = &report.rims {
         add(rims::table(rims), &rims.statements);
     }
-    for warning in warnings(report) {
-        text += &format!("! {warning}\n");
-    }
+    text += &slipgrid_report::marked("!", warnings(report));
     let in_time = report.in_time.as_ref().map(|run| format!(", of which friction in time {:.1} s", run.wall_s));
     text + &format!(
         "\n{:.1} s on {}{}\n",
