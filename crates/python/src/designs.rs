@@ -307,9 +307,9 @@ impl Designed {
 
     /// The pattern in one of the laser's formats: name and content of the file.
     fn drawing(&self, py: Python<'_>, format: &str) -> Result<Named, Failure> {
-        let named = LaserFile::EACH.into_iter().find(|own| own.described()[0] == format);
-        let named = named.ok_or_else(|| {
-            let names = LaserFile::EACH.map(|own| own.described()[0]).join(", ");
+        let named = LaserFile::EACH.into_iter().find(|(_, [name, _])| *name == format);
+        let (named, _) = named.ok_or_else(|| {
+            let names = LaserFile::EACH.map(|(_, [name, _])| name).join(", ");
             PyValueError::new_err(format!("format is {format:?}: expected one of {names}"))
         })?;
         let mut outputs = Outputs::default();

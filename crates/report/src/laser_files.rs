@@ -43,36 +43,25 @@ pub enum LaserFile {
 }
 
 impl LaserFile {
-    /// All formats.
-    pub const EACH: [Self; 10] = [
-        Self::Dxf,
-        Self::Svg,
-        Self::Csv,
-        Self::Process,
-        Self::Plt,
-        Self::Gcode,
-        Self::Corners,
-        Self::Hatch,
-        Self::Png,
-        Self::Stl,
+    /// All formats, in the order of the variants, with what [`Self::described`] returns.
+    pub const EACH: [(Self, [&'static str; 2]); 10] = [
+        (Self::Dxf, ["dxf", "pattern.dxf, drawing for the laser"]),
+        (Self::Svg, ["svg", "pattern.svg, picture to scale"]),
+        (Self::Csv, ["csv", "pattern.csv, one row per cavity"]),
+        (Self::Process, ["process", "process.toml, process sheet"]),
+        (Self::Plt, ["plt", "pattern.plt, HP-GL/2 plot with contours and lines"]),
+        (Self::Gcode, ["gcode", "pattern.gcode, program for controllers with a laser mode"]),
+        (Self::Corners, ["corners", "corners.csv, one row per corner"]),
+        (Self::Hatch, ["hatch", "hatch.csv, one row per marked line"]),
+        (Self::Png, ["png", "height-map.png, the surface as 16-bit grey"]),
+        (Self::Stl, ["stl", "removed.stl, what is removed as closed solids"]),
     ];
     /// Formats that need only a pattern and a specimen; every search writes these formats.
     pub const ALWAYS: [Self; 4] = [Self::Dxf, Self::Svg, Self::Csv, Self::Process];
 
     /// Name of the format, and its file name with a description of the content.
     pub const fn described(self) -> [&'static str; 2] {
-        match self {
-            Self::Dxf => ["dxf", "pattern.dxf, drawing for the laser"],
-            Self::Svg => ["svg", "pattern.svg, picture to scale"],
-            Self::Csv => ["csv", "pattern.csv, one row per cavity"],
-            Self::Process => ["process", "process.toml, process sheet"],
-            Self::Plt => ["plt", "pattern.plt, HP-GL/2 plot with contours and lines"],
-            Self::Gcode => ["gcode", "pattern.gcode, program for controllers with a laser mode"],
-            Self::Corners => ["corners", "corners.csv, one row per corner"],
-            Self::Hatch => ["hatch", "hatch.csv, one row per marked line"],
-            Self::Png => ["png", "height-map.png, the surface as 16-bit grey"],
-            Self::Stl => ["stl", "removed.stl, what is removed as closed solids"],
-        }
+        Self::EACH[self as usize].1
     }
 }
 
@@ -261,5 +250,17 @@ impl<T> Drawing<T> {
         let ProcessInput { name, made_by, material, .. } = &self.about;
         let note = material.synthetic_surface.then_some("the area law behind this design rests on a synthetic surface");
         format(&self.drawn, &Heading { name, version: &made_by.version, notes: note.as_slice() }, to)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_format_is_described_by_its_own_row() {
+        for (file, described) in LaserFile::EACH {
+            assert_eq!(file.described(), described);
+        }
     }
 }

@@ -37,5 +37,5 @@ pub struct ExportArgs {
 
 /// Parser of the names of export formats.
 fn laser_files() -> impl TypedValueParser<Value = LaserFile> {
-    named(LaserFile::EACH.map(|file| (file, file.described()[1])), |file| file.described()[0])
+    named(LaserFile::EACH.map(|(file, [_, words])| (file, words)), |file| file.described()[0])
 }
