@@ -4,6 +4,7 @@ mod surfaces;
 
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
+use serde_json::{Value, json};
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::optimize::{Bound, Quantity};
 use slipgrid_design::records::TargetReport;
@@ -15,21 +16,12 @@ use slipgrid_design::{
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Load;
 
-use self::surfaces::{AxisData, FaceData, LENGTHS, Packed, axes_data};
+use self::surfaces::{AxisData, LENGTHS, Packed, axes_data, face_data};
 use super::page::{Page, number};
 use super::points::{Point, in_words};
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
-
-/// Limit that the script of the page checks.
-#[derive(Serialize)]
-struct LimitData {
-    kind: &'static str,
-    words: String,
-    bound: f64,
-    is_most: bool,
-}
 
 #[derive(Serialize)]
 struct Data {
@@ -46,7 +38,7 @@ struct Data {
     /// Number of nodes of the medians and intervals between `shares`.
     share_nodes: usize,
     /// Specimen and lattice, to count cavities; null to interpolate the last two outputs of `beside`.
-    face: Option<FaceData>,
+    face: Option<Value>,
     /// Median over samples at each load of each condition, the design condition first; at each node of `shares`.
     medians: Packed,
     /// Lower end of the 95 % interval of samples at each load of the design condition.
@@ -59,7 +51,7 @@ struct Data {
     beside: Packed,
     /// Indices of the nodes of the surfaces at which the model gives no result.
     holes: Vec<usize>,
-    limits: Vec<LimitData>,
+    limits: Vec<Value>,
     burst_um: Option<f64>,
     /// Whether the laser time is known.
     has_laser_time: bool,
@@ -97,7 +89,7 @@ pub(super) struct Subject<'a> {
 
 impl Subject<'_> {
     /// Limits that the script of the page checks.
-    fn limits(&self) -> Vec<LimitData> {
+    fn limits(&self) -> Vec<Value> {
         let task = self.task;
         let mut all = Vec::new();
         let made = &task.constraints.limits;
@@ -105,7 +97,8 @@ impl Subject<'_> {
             [("land", "the smallest land", made.min_land_m), ("spot", "the laser's spot", made.spot_m)]
         {
             let Some(bound) = bound_m.map(|m| LENGTH_UM.from_si(m)) else { continue };
-            all.push(LimitData { kind, words: format!("{name}, {} µm", number(bound, 1)), bound, is_most: false });
+            let words = format!("{name}, {} µm", number(bound, 1));
+            all.push(json!({"kind": kind, "words": words, "bound": bound, "is_most": false}));
         }
         for limit in &task.constraints.quantities {
             let kind = match limit.quantity {
@@ -121,7 +114,7 @@ impl Subject<'_> {
                 let is_most = matches!(limit.bound, Bound::AtMost(_));
                 let words = format!("{}, {}", limit.quantity.name(), limit.quantity.tell(bound));
                 let (_, unit_si) = limit.quantity.unit();
-                all.push(LimitData { kind, words, bound: bound / unit_si, is_most });
+                all.push(json!({"kind": kind, "words": words, "bound": bound / unit_si, "is_most": is_most}));
             }
         }
         all
@@ -142,7 +135,7 @@ impl Subject<'_> {
             let starts = (0..nodes).flat_map(|node| (0..conditions).map(move |at| from(node) + at * count));
             Packed::new(&explorer.expected, starts.flat_map(|start| order.iter().map(move |load| start + load)))
         };
-        let face = FaceData::new(task, explorer.dimension);
+        let face = face_data(task, explorer.dimension);
         let ordered = |values: &[Option<f64>]| order.iter().map(|load| values[*load]).collect();
         Data {
             is_ratio: task.target.quantity() == Quantity::Ratio,
