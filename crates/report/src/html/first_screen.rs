@@ -218,52 +218,41 @@ fn limits(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>)
 fn next_steps(report: &DesignReport, is_calibrated: bool) -> Vec<String> {
     let mut steps = match &*report.advice {
         "trial" => vec!["Cut one sample and measure it at the pressures of the plot."],
-        "series" => return vec!["Cut the series. Measure its first samples and add them as [[trial]].".to_owned()],
-        "trial_meets_it" => {
-            return vec![
-                "Make the trial's texture: it meets the target.".to_owned(),
-                "To come closer, cut the texture on this page as another trial.".to_owned(),
-            ];
-        }
-        "cannot_be_met" => {
-            return [
-                "Cut nothing for this target yet.",
-                "Accept more, or widen a bound or a limit.",
-                "Or cut the texture on this page as a trial: it shows how far the model is off there.",
-            ]
-            .map(str::to_owned)
-            .to_vec();
-        }
-        "measure_again" => {
-            return [
-                "Measure both trials again, and their dimensions.",
-                "Mend the numbers of the wrong one, or take it out, and design again: slipgrid optimize.",
-            ]
-            .map(str::to_owned)
-            .to_vec();
-        }
-        _ => return Vec::new(),
+        "series" => vec!["Cut the series. Measure its first samples and add them as [[trial]]."],
+        "trial_meets_it" => vec![
+            "Make the trial's texture: it meets the target.",
+            "To come closer, cut the texture on this page as another trial.",
+        ],
+        "cannot_be_met" => vec![
+            "Cut nothing for this target yet.",
+            "Accept more, or widen a bound or a limit.",
+            "Or cut the texture on this page as a trial: it shows how far the model is off there.",
+        ],
+        "measure_again" => vec![
+            "Measure both trials again, and their dimensions.",
+            "Mend the numbers of the wrong one, or take it out, and design again: slipgrid optimize.",
+        ],
+        _ => Vec::new(),
     };
-    steps.extend(if is_calibrated {
-        &["Add it as [[trial]] to the calibration."][..]
-    } else if report.material.name.is_empty() {
-        &["Write a calibration of this material with it as [[trial]], and name the calibration as material."][..]
-    } else {
-        &[
-            "Add it as [[trial]] to the calibration of this material.",
-            "Make the material file anew: slipgrid calibrate CALIBRATION.toml -o MATERIAL.toml.",
-        ]
-    });
-    steps.push("Design again: slipgrid optimize.");
-    steps.extend(
-        report.material.synthetic_surface.then_some("Map a flat sample: the surface map used here is synthetic."),
-    );
-    let mut steps: Vec<String> = steps.into_iter().map(str::to_owned).collect();
-    if !report.at_bounds.is_empty() {
-        let bounds = report.at_bounds.join(" and ");
-        steps.push(format!("Or widen the bounds, if you can: the texture rests on {bounds}."));
+    let bounds = report.at_bounds.join(" and ");
+    let wider = format!("Or widen the bounds, if you can: the texture rests on {bounds}.");
+    if report.advice == "trial" {
+        steps.extend(if is_calibrated {
+            &["Add it as [[trial]] to the calibration."][..]
+        } else if report.material.name.is_empty() {
+            &["Write a calibration of this material with it as [[trial]], and name the calibration as material."][..]
+        } else {
+            &[
+                "Add it as [[trial]] to the calibration of this material.",
+                "Make the material file anew: slipgrid calibrate CALIBRATION.toml -o MATERIAL.toml.",
+            ]
+        });
+        steps.push("Design again: slipgrid optimize.");
+        let synthetic = "Map a flat sample: the surface map used here is synthetic.";
+        steps.extend(report.material.synthetic_surface.then_some(synthetic));
+        steps.extend((!bounds.is_empty()).then_some(&*wider));
     }
-    steps
+    steps.into_iter().map(str::to_owned).collect()
 }
 
 /// Adds what the numbers rest on: trials, material, accuracy of inputs, the run that confirms the design, and effects
