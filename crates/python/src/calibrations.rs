@@ -72,11 +72,9 @@ impl Calibration {
         objects: Option<Contents>,
         copied: Option<(bool, Contents)>,
     ) -> Result<Self, Failure> {
-        let (origin, read) = in_pool(py, || {
-            let origin = Origin::new(FileKind::Calibration, (text, objects, copied), path)?;
-            let read = Read::from_document(&origin.document(FileKind::Calibration)?)?;
-            Ok::<_, Diagnostic>((origin, read))
-        })??;
+        let parse = |document| Read::from_document(&document);
+        let (origin, read) =
+            in_pool(py, || Origin::read(FileKind::Calibration, (text, objects, copied), path, parse))??;
         if !origin.is_copy {
             warn_all(py, &read.stated.notes)?;
         }

@@ -126,11 +126,8 @@ impl Design {
         objects: Option<Contents>,
         copied: Option<(bool, Contents)>,
     ) -> Result<Self, Failure> {
-        let (origin, read) = in_pool(py, || {
-            let origin = Origin::new(FileKind::Design, (text, objects, copied), path)?;
-            let read = Read::from_document(origin.document(FileKind::Design)?)?;
-            Ok::<_, Diagnostic>((origin, read))
-        })??;
+        let parse = Read::from_document;
+        let (origin, read) = in_pool(py, || Origin::read(FileKind::Design, (text, objects, copied), path, parse))??;
         let inputs = origin.inputs(&read.inputs);
         let made = Self { read, inputs, origin, completed: Mutex::new(None), bounds: Mutex::new(None) };
         if !made.origin.is_copy {

@@ -106,12 +106,18 @@ pub struct Origin {
 }
 
 impl Origin {
-    /// Makes the origin of `text`, by default that of the file at `path`, which should be a `kind`. Files named in the text are
-    /// `objects`, or are read from the disk; for a copy, `copied` has all available files, and whether the file at `path` exists.
+    /// Makes the origin of `text`, by default that of the file at `path`, which should be a `kind`, and parses it. Files named in
+    /// the text are `objects`, or are read from the disk; for a copy, `copied` has all available files, and whether the file at
+    /// `path` exists.
     ///
     /// # Errors
-    /// [`Diagnostic`] if the file at `path` cannot be read, is not text, or seems to be another kind of file.
-    pub fn new(kind: FileKind, given: Given, path: PathBuf) -> Result<Self, Diagnostic> {
+    /// [`Diagnostic`] if the file at `path` cannot be read, is not text, or seems to be another kind of file; errors of `parse`.
+    pub fn read<T>(
+        kind: FileKind,
+        given: Given,
+        path: PathBuf,
+        parse: impl FnOnce(Document) -> Result<T, Diagnostic>,
+    ) -> Result<(Self, T), Diagnostic> {
         let (text, objects, copied) = given;
         let (is_copy, is_read) = (copied.is_some(), text.is_none());
         let text = text.map_or_else(|| Ok(Document::read(&disk(), &path, kind)?.text().to_owned()), Ok)?;
@@ -120,29 +126,17 @@ impl Origin {
         let (is_file, files) = copied.unwrap_or_else(|| (is_read, Contents::new()));
         let all = files.into_iter().chain(objects.into_iter().flatten());
         let known = all.map(|(path, bytes)| (path.into(), Some(bytes.into()))).collect();
-        Ok(Self {
-            text,
-            path,
-            is_file,
-            is_copy,
-            disk,
-            files: Arc::new(Remembered { known: Mutex::new(known), beyond }),
-        })
+        let files = Arc::new(Remembered { known: Mutex::new(known), beyond });
+        let origin = Self { text, path, is_file, is_copy, disk, files };
+        let document = Document::within(&origin.source(), origin.path.clone(), origin.text.clone());
+        document.require(kind)?;
+        let read = parse(document.as_kind(kind))?;
+        Ok((origin, read))
     }
 
     /// Source of the files named in the text.
     pub fn source(&self) -> Source {
         Arc::clone(&self.files) as Source
-    }
-
-    /// Parses the text as a document, which should be a `kind`.
-    ///
-    /// # Errors
-    /// [`Diagnostic`] if the text seems to be another kind of file.
-    pub fn document(&self, kind: FileKind) -> Result<Document, Diagnostic> {
-        let document = Document::within(&self.source(), self.path.clone(), self.text.clone());
-        document.require(kind)?;
-        Ok(document.as_kind(kind))
     }
 
     /// Absolute paths of `named`, the files that a run reads; omits the object's own path if the text did not come from that file.

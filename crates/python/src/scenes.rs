@@ -83,11 +83,8 @@ impl Scene {
                 .transpose()?,
             extent: extent.as_deref().map(|own| named("extent", own, &Extent::ALL, Extent::name)).transpose()?,
         };
-        let (origin, input) = in_pool(py, || {
-            let origin = Origin::new(FileKind::Scene, (text, objects, copied), path)?;
-            let input = SceneInput::from_document(origin.document(FileKind::Scene)?, overrides)?;
-            Ok::<_, Diagnostic>((origin, input))
-        })??;
+        let parse = |document| SceneInput::from_document(document, overrides);
+        let (origin, input) = in_pool(py, || Origin::read(FileKind::Scene, (text, objects, copied), path, parse))??;
         let inputs = origin.inputs(std::slice::from_ref(&origin.path));
         let made = Self { input, inputs, origin, fidelity, extent };
         if !made.origin.is_copy {
