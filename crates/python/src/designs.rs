@@ -37,12 +37,15 @@ pub struct Design {
     read: Read,
     inputs: Vec<PathBuf>,
     origin: Origin,
-    /// Design with its material after the first calibration, and the calibration. The lock must not be held during a computation:
-    /// a pool thread that waits for others may start another call, which may need the lock.
-    completed: Mutex<Option<(Read, Option<Calibration>)>>,
+    /// What the first calibration gives. The lock must not be held during a computation: a pool thread that waits for
+    /// others may start another call, which may need the lock.
+    completed: Mutex<Option<Completed>>,
     /// Predictions over the bounds and their warnings, after the first call that needs them; the lock as above.
     bounds: Mutex<Option<Arc<Bounds>>>,
 }
+
+/// Design with its material, the calibration, and warnings about the design and its input files.
+type Completed = (Read, Option<Calibration>, Vec<String>);
 
 /// Predictions over the bounds of a design, with the warnings about them.
 struct Bounds {
@@ -63,28 +66,24 @@ const BESIDE: usize = 5;
 
 impl Design {
     /// Returns the design with its material; calibrates at the first call only.
-    fn completed(&self, watch: &Watch) -> Result<(Read, Option<Calibration>), slipgrid::Failure> {
+    fn completed(&self, watch: &Watch) -> Result<Completed, slipgrid::Failure> {
         let known = || self.completed.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = known().as_ref() {
             return Ok(known.clone());
         }
-        let (mut read, files) = (self.read.clone(), self.origin.source());
+        let (mut read, files, mut warnings) = (self.read.clone(), self.origin.source(), self.warnings());
         let calibration = read_calibration(&read, &files)?;
         if let Some(calibration) = &calibration {
             // Warnings may explain a failure of the computation, and are given first.
             watch.warn(calibration.stated.notes.iter().cloned());
             complete_by(&mut read, calibration, &files, watch)?;
+            warnings.extend(calibration.stated.notes.iter().cloned());
+            let found = [read.contradictions(calibration), read.material_told()];
+            warnings.extend(found.into_iter().flatten().map(|told| told.to_string()));
         }
-        *known() = Some((read.clone(), calibration.clone()));
-        Ok((read, calibration))
-    }
-
-    /// Warnings about the design and its input files; `completed` is the design with its material.
-    fn told(&self, completed: &Read, calibration: Option<&Calibration>) -> Vec<String> {
-        let of_material = calibration.map(|calibration| calibration.stated.notes.clone()).unwrap_or_default();
-        let found = calibration.map(|calibration| [completed.contradictions(calibration), completed.material_told()]);
-        let found = found.into_iter().flatten().flatten().map(|told| told.to_string());
-        self.warnings().into_iter().chain(of_material).chain(found).collect()
+        let completed = (read, calibration, warnings);
+        *known() = Some(completed.clone());
+        Ok(completed)
     }
 
     /// Gives those of `warnings` that were not given when the design was read.
@@ -100,8 +99,7 @@ impl Design {
             return Ok(found);
         }
         let found = watched(py, progress, |watch| {
-            let (read, calibration) = self.completed(watch)?;
-            let mut warnings = self.told(&read, calibration.as_ref());
+            let (read, _, mut warnings) = self.completed(watch)?;
             let found = explore_bounds(&read.task, watch).map_err(|error| undesigned(error, &self.read))?;
             warnings.extend(found.doubts());
             Ok::<_, Failure>(Arc::new(Bounds { found, warnings }))
@@ -176,8 +174,7 @@ impl Design {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> Result<([String; 2], Told, Designed), Failure> {
         let (found, warnings) = watched(py, progress, |watch| {
-            let (mut read, calibration) = self.completed(watch)?;
-            let mut warnings = self.told(&read, calibration.as_ref());
+            let (mut read, _, mut warnings) = self.completed(watch)?;
             read.task.explorer = true;
             let found = run(&read.task, &mut NoCache, watch).map_err(|error| undesigned(error, &self.read))?;
             warnings.extend(found.report.doubts());
@@ -277,8 +274,7 @@ impl Design {
         });
         let own: Vec<Pattern> = own.collect::<PyResult<_>>()?;
         let (report, warnings) = watched(py, progress, |watch| {
-            let (read, calibration) = self.completed(watch)?;
-            let mut warnings = self.told(&read, calibration.as_ref());
+            let (read, calibration, mut warnings) = self.completed(watch)?;
             let samples = calibration.map_or_else(Vec::new, |calibration| calibration.stated.trials.samples);
             let options = NextOptions { count, own, one_disc, learn, ..NextOptions::of_samples(&samples) };
             let found = next_trials(&read.task, &options, watch).map_err(|error| undesigned(error, &self.read))?;
