@@ -64,7 +64,7 @@ fn height_map(lines_m: &PyReadonlyArray2<'_, f64>, [dx_m, dy_m]: [f64; 2]) -> Re
     let lines = lines_m.as_array();
     let (count, length) = lines.dim();
     let points = count.saturating_mul(length);
-    let refused = |reason: String| Diagnostic { key: Some("heights_m".into()), reason, ..Diagnostic::default() };
+    let refused = |reason: String| Diagnostic::key("heights_m", reason);
     let mut heights: Vec<f64> = Vec::new();
     if points > MAX_POINTS || heights.try_reserve_exact(points).is_err() {
         let expected = format!("at most {MAX_POINTS}, and room for them");

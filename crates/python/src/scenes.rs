@@ -258,7 +258,7 @@ impl SteadyCell {
         let bits: Vec<u64> = pressures.collect::<BTreeSet<u64>>().into_iter().collect();
         let pressure = |bits: &u64| checked("pressure_mpa", f64::from_bits(*bits), PRESSURE_MPA);
         let pressures_pa: Vec<f64> = bits.iter().map(pressure).collect::<Result<_, _>>()?;
-        let refuse = |reason: String| Diagnostic { key: Some("pressure_mpa".into()), reason, ..Diagnostic::default() };
+        let refuse = |reason: String| Diagnostic::key("pressure_mpa", reason);
         check_pressures(&pressures_pa, &input.material).map_err(|error| refuse(error.reason))?;
         let condition = input.condition.as_ref();
         let (loads, outside) =

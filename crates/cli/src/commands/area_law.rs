@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use slipgrid_infer::calibrate::area_law::{AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, surface_area_law};
 use slipgrid_infer::calibrate::area_law_sampling::{DEFAULT_WINDOWS, resolution};
-use slipgrid_surface::topography::{Crop, Decimation, Form, LengthUnit, Preparation, ReadOptions};
+use slipgrid_surface::topography::{Crop, Decimation, Form, LengthUnit, Preparation, ReadOptions, UnknownUnit};
 
 use crate::args::{AreaLawArgs, MapArgs};
 use crate::interruption::heed;
@@ -118,9 +118,5 @@ pub(super) fn map_options(args: &MapArgs) -> Result<MapOptions, Diagnostic> {
 }
 
 fn unit(flag: &str, name: &str) -> Result<LengthUnit, Diagnostic> {
-    name.parse().map_err(|error: slipgrid_surface::topography::UnknownUnit| Diagnostic {
-        key: Some(flag.into()),
-        reason: error.to_string(),
-        ..Diagnostic::default()
-    })
+    name.parse().map_err(|error: UnknownUnit| Diagnostic::key(flag, error.to_string()))
 }

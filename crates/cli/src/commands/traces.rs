@@ -67,8 +67,7 @@ fn of_calibration(file: &Path, args: &TracesArgs) -> Result<Vec<ConditionTraces>
     ];
     if let Some((flag, _, key)) = flags.into_iter().find(|(_, is_given, _)| *is_given) {
         let reason = format!("is a flag for exports: of a calibration [traces] says this, in {}", file.display());
-        let refused = Diagnostic { key: Some(flag.into()), reason, ..Diagnostic::default() };
-        return Err(refused.expected(format!("{key}, or exports in place of the calibration")));
+        return Err(Diagnostic::key(flag, reason).expected(format!("{key}, or exports in place of the calibration")));
     }
     let calibration = Calibration::read(&slipgrid_io::disk::disk(), file)?;
     if calibration.traces.is_empty() {
@@ -99,13 +98,10 @@ fn span_s(flag: &'static str, given: Option<&[f64]>, example: &str) -> Result<Op
 fn condition(args: &TracesArgs) -> Result<TraceCondition, Diagnostic> {
     let needed = |flag: &'static str, value: Option<f64>, quantity: Quantity| match value {
         Some(value) => checked(flag, value, quantity),
-        None => Err(Diagnostic { key: Some(flag.into()), reason: "is missing".into(), ..Diagnostic::default() }
-            .expected(match flag {
-                "--humidity-pct" => {
-                    "the relative humidity in %; where it was not measured, one number everywhere, as 50"
-                }
-                _ => "the condition of these exports; a calibration file with [traces] needs no flags",
-            })),
+        None => Err(Diagnostic::key(flag, "is missing").expected(match flag {
+            "--humidity-pct" => "the relative humidity in %; where it was not measured, one number everywhere, as 50",
+            _ => "the condition of these exports; a calibration file with [traces] needs no flags",
+        })),
     };
     let mut known = std::collections::HashSet::new();
     for file in &args.files {

@@ -90,11 +90,7 @@ impl<'a> Worker<'a> {
     }
 
     fn record(&self, task: &Task, monitor: &dyn Monitor) -> Result<Json, Failure> {
-        let text = self.campaign.text_with(&task.values).map_err(|(key, reason)| Diagnostic {
-            key: Some(key.into()),
-            reason,
-            ..Diagnostic::default()
-        })?;
+        let text = self.campaign.text_with(&task.values).map_err(|(key, reason)| Diagnostic::key(&key, reason))?;
         let noted = RecordedFiles::new(&self.files, Path::new(""));
         let source: Source = Arc::clone(&noted) as Source;
         let document = || Document::within(&source, &self.campaign.base, text.clone());

@@ -45,9 +45,14 @@ impl Diagnostic {
         Self { file: Some(path.into()), reason: reason.into(), ..Self::default() }
     }
 
+    /// Creates a diagnostic about a key outside a file, or a flag of the command line, without its value.
+    pub fn key(key: &str, reason: impl Into<String>) -> Self {
+        Self { key: Some(key.into()), reason: reason.into(), ..Self::default() }
+    }
+
     /// Creates a diagnostic about a flag of the command line with its value.
     pub fn flag(flag: &str, value: impl Into<Box<str>>, reason: impl Into<String>) -> Self {
-        Self { key: Some(flag.into()), value: Some(value.into()), reason: reason.into(), ..Self::default() }
+        Self { value: Some(value.into()), ..Self::key(flag, reason) }
     }
 
     /// Adds the accepted values.
