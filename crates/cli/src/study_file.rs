@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use slipgrid_design::results::VERSION;
 use slipgrid_design::{Answer, Evaluation, EvaluationCache, Fault, LARGEST};
 
@@ -162,11 +162,7 @@ fn is_replaceable(path: &Path) -> bool {
 /// First line of a study file: the inputs `depends_on` of the model, and the version of the program.
 fn header(depends_on: &Map<String, Value>) -> String {
     // The first key is that by which a study is recognized.
-    let mut object = Map::new();
-    object.insert("depends_on".to_owned(), Value::Object(depends_on.clone()));
-    object.insert("study".to_owned(), Value::from("slipgrid optimize"));
-    object.insert("version".to_owned(), Value::from(VERSION));
-    Value::Object(object).to_string() + "\n"
+    json!({"depends_on": depends_on, "study": "slipgrid optimize", "version": VERSION}).to_string() + "\n"
 }
 
 /// Reads a study and the number of bytes in its complete lines; `None` if even the first line is incomplete.
