@@ -14,7 +14,7 @@ use slipgrid_validate::accuracy::{self, Size};
 use crate::args::AccuracyArgs;
 use crate::output::open;
 use crate::progress::Job;
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_io::disk::disk;
 
 /// Source of the scene without a scene file.
@@ -22,7 +22,7 @@ const PAPER: &str = "LDPE after Balestra et al., J. Tribol. 144, 031704; synthet
                      the rms slope 0.0137 of the map that stands in for the unpublished one";
 
 /// Runs every method of the comparison and reports.
-pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let inputs: Vec<PathBuf> = args.scene.iter().cloned().collect();
     let folder = open(args.output.as_ref(), &["accuracy.*", "result.json"], &inputs)?;
     let (scene, source, input) = match &args.scene {
@@ -61,5 +61,5 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     } else if args.output.is_none() {
         console.answer(&accuracy::markdown(&compared))?;
     }
-    Ok(exit_code::DONE)
+    Ok(())
 }

@@ -10,7 +10,7 @@ use crate::args::{AreaLawArgs, MapArgs};
 use crate::interruption::heed;
 use crate::output::open;
 use crate::progress::Job;
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, SLOPE, TOLERANCE};
 use slipgrid_io::formats::altitude_map::{read_period, refuse_law};
@@ -24,7 +24,7 @@ use slipgrid_report::area_law::{AreaLawOptions, AreaLawReport, picture, table, t
 const POLYETHYLENE_GPA: f64 = 0.38;
 
 /// Computes contact area and area law, and reports.
-pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let inputs: Vec<PathBuf> = args.map.iter().cloned().collect();
     let folder = open(args.output.as_ref(), &["result.json", "timings.json", "area-law.*"], &inputs)?;
     let request = request(args)?;
@@ -48,8 +48,7 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
         outputs.add("area-law.svg", picture(&report)?);
         console.keep(&outputs, folder)?;
     }
-    console.report(args.json, &report, || table(&report))?;
-    Ok(exit_code::DONE)
+    console.report(args.json, &report, || table(&report))
 }
 
 /// Checks the flags and converts them to SI units.

@@ -5,7 +5,7 @@ use slipgrid_infer::calibrate::Selection;
 use crate::args::CalibrateArgs;
 use crate::output::{Place, ResultFolder, check_file, write_file};
 use crate::progress::Job;
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_io::disk::disk;
 use slipgrid_io::formats::calibrated::calibrate;
 use slipgrid_io::formats::calibration::Calibration;
@@ -15,7 +15,7 @@ use slipgrid_io::formats::written_material::material_toml;
 use slipgrid_report::calibration::{FILES, Fitted};
 
 /// Calibrates and reports.
-pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let read = Calibration::read(&disk(), &args.calibration)?;
     if let Some(path) = &args.output {
         check_file(Place::output(path), &read.inputs)?;
@@ -42,5 +42,5 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
         Some(path) => console.note(&format!("wrote {}", path.display())),
         None => console.note("nothing written; -o MATERIAL.toml keeps the material"),
     }
-    Ok(exit_code::DONE)
+    Ok(())
 }

@@ -10,11 +10,11 @@ use super::optimize::refused;
 use crate::args::ExploreArgs;
 use crate::output::{Place, check_file, write_file};
 use crate::progress::Job;
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_io::disk::disk;
 
 /// Computes the predictions and writes the page.
-pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let is_folder = args.output.is_dir() || args.output.extension().is_none();
     let output = if is_folder { args.output.join("explore.html") } else { args.output.clone() };
     check_file(Place::output(&output), std::slice::from_ref(&args.file))?;
@@ -27,6 +27,5 @@ pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let toml = steady_scene(&found.task, &found.material, &found.loads, &found.pattern);
     let toml = toml.map_err(|error| design.refuse_whole(error.to_string()))?;
     write_file(&output, exploration(&found, toml).as_bytes())?;
-    console.answer(&format!("{}\n", output.display()))?;
-    Ok(exit_code::DONE)
+    Ok(console.answer(&format!("{}\n", output.display()))?)
 }

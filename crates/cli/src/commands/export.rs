@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::args::ExportArgs;
 use crate::output::{Place, ResultFolder, add};
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::records::SCHEMA;
 use slipgrid_design::{StoredDesign, StoredError};
@@ -22,7 +22,7 @@ const RESULT: &str = "result.json";
 const FILES: [&str; 6] = ["pattern.*", "process.toml", "corners.csv", "hatch.csv", "height-map.png", "removed.stl"];
 
 /// Writes the design in the requested formats.
-pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     // A folder written by `optimize` stands for the result in it.
     let inside = args.result.join(RESULT);
     let result = if inside.is_file() { &inside } else { &args.result };
@@ -55,7 +55,7 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     for name in outputs.names() {
         console.answer(&format!("{}\n", folder.join(name).display()))?;
     }
-    if unwritten.is_empty() { Ok(exit_code::DONE) } else { Err(CliError::Other(said)) }
+    if unwritten.is_empty() { Ok(()) } else { Err(CliError::Other(said)) }
 }
 
 fn read(path: &Path, sample: Option<usize>) -> Result<StoredDesign, Diagnostic> {

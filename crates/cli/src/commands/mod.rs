@@ -25,7 +25,7 @@ use slipgrid_io::formats::design::Design;
 
 use crate::args::Command;
 use crate::progress::Job;
-use crate::{CliError, Console};
+use crate::{CliError, Console, exit_code};
 
 /// Runs `command` and returns the exit code.
 ///
@@ -34,10 +34,10 @@ use crate::{CliError, Console};
 pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError> {
     match command {
         Command::Simulate(args) => simulate::run(args, console),
-        Command::Optimize(args) => optimize::run(args, console),
+        Command::Optimize(args) => return optimize::run(args, console),
         Command::Calibrate(args) => calibrate::run(args, console),
         Command::Traces(args) => traces::run(args, console),
-        Command::Next(args) => next::run(args, console),
+        Command::Next(args) => return next::run(args, console),
         Command::Trials(args) => trials::run(args, console),
         Command::AreaLaw(args) => area_law::run(args, console),
         Command::Surface(args) => surface::run(args, console),
@@ -46,12 +46,13 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::Export(args) => export::run(args, console),
         Command::Validate(args) => validate::run(args, console),
         Command::Accuracy(args) => accuracy::run(args, console),
-        Command::Campaign(args) => campaign::run(args, console),
+        Command::Campaign(args) => return campaign::run(args, console),
         Command::New(args) => new::run(args, console),
         Command::Studio(args) => studio::run(args, console),
         Command::Completions(args) => shell::completions(args, console),
         Command::Man(args) => shell::man(args, console),
-    }
+    }?;
+    Ok(exit_code::DONE)
 }
 
 /// Completes `design` with its material; returns the calibration if the material must be calibrated first. Warnings about the

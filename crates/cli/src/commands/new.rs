@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::args::{NewArgs, TemplateName};
 use crate::output::{Place, ResultFolder, add, quoted, write_file};
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_io::formats::Diagnostic;
 use slipgrid_report::Outputs;
 
@@ -14,7 +14,7 @@ const CALIBRATION: &str = include_str!("../templates/calibration.toml");
 const FLAT: &str = include_str!("../templates/flat.csv");
 
 /// Writes the requested template; never replaces an existing file.
-pub fn run(args: &NewArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &NewArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let (usual, command, text) = match args.template {
         TemplateName::Scene => ("scene.toml", "simulate", SCENE),
         TemplateName::Design => ("design.toml", "optimize", DESIGN),
@@ -37,5 +37,5 @@ pub fn run(args: &NewArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     };
     console.answer(&format!("{}\n", path.display()))?;
     console.note(&format!("next: slipgrid {command} {}", quoted(&file)));
-    Ok(exit_code::DONE)
+    Ok(())
 }

@@ -5,25 +5,23 @@ use clap_mangen::Man;
 
 use crate::args::{Arguments, CompletionsArgs, ManArgs};
 use crate::output::{Place, ResultFolder, add};
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_report::Outputs;
 
 /// Prints the completion script for a shell.
-pub fn completions(args: &CompletionsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn completions(args: &CompletionsArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     // The generator does not report write errors, so it writes to memory first.
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Arguments::command(), "slipgrid", &mut script);
-    console.out.write_all(&script)?;
-    Ok(exit_code::DONE)
+    Ok(console.out.write_all(&script)?)
 }
 
 /// Prints the manual page, or writes one page per command.
-pub fn man(args: &ManArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn man(args: &ManArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let mut program = Arguments::command();
     program.build();
     let Some(folder) = &args.output else {
-        console.out.write_all(&page(program)?)?;
-        return Ok(exit_code::DONE);
+        return Ok(console.out.write_all(&page(program)?)?);
     };
     let place = ResultFolder::open(Place::output(folder), &["slipgrid*.1"], &[])?;
     let mut pages = Outputs::default();
@@ -32,7 +30,7 @@ pub fn man(args: &ManArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     for name in pages.names() {
         writeln!(console.out, "{}", folder.join(name).display())?;
     }
-    Ok(exit_code::DONE)
+    Ok(())
 }
 
 /// Adds the pages of `command`, called `name`, and of its subcommands.

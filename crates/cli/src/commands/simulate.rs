@@ -6,7 +6,7 @@ use crate::args::SimulateArgs;
 use crate::interruption::{enter, heed};
 use crate::output::open;
 use crate::progress::Job;
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_design::results::SimulationReport;
 use slipgrid_design::{run_line, simulate_on};
 use slipgrid_io::disk::disk;
@@ -26,7 +26,7 @@ const FILES: [&str; 7] = [
 ];
 
 /// Solves a scene and reports.
-pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let folder = open(args.output.as_ref(), &FILES, std::slice::from_ref(&args.scene))?;
     let overrides = Overrides { fidelity: args.fidelity, extent: args.extent };
     let input = SceneInput::read(&disk(), &args.scene, overrides)?;
@@ -47,6 +47,5 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(folder) = &folder {
         console.keep(&files::of_scene(&input.scene, &simulation, &report)?, folder)?;
     }
-    console.report(args.json, &report, || if args.details { report.text() } else { report.brief() })?;
-    Ok(exit_code::DONE)
+    console.report(args.json, &report, || if args.details { report.text() } else { report.brief() })
 }

@@ -14,7 +14,7 @@ use crate::{CliError, Console, exit_code, run_with};
 const EXAMPLE: &str = "slipgrid-example";
 
 /// Serves the page until Ctrl-C.
-pub fn run(args: &StudioArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &StudioArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let usual = if args.example { EXAMPLE } else { "." };
     let folder = args.folder.as_deref().unwrap_or(Path::new(usual));
     if args.example && example::is_free(folder) {
@@ -43,7 +43,7 @@ pub fn run(args: &StudioArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     announced?;
     // Files of a result appear together: the process must not end between two of them.
     std::mem::forget(hold_writing());
-    Ok(exit_code::DONE)
+    Ok(())
 }
 
 /// Writes the published calibration, a design and a synthesized altitude map into `folder`, which is new or empty.

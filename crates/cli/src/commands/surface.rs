@@ -7,14 +7,14 @@ use super::area_law::map_options;
 use crate::args::SurfaceArgs;
 use crate::output::{Place, check_map_file, open as open_folder, write_file};
 use crate::progress::Job;
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_io::formats::altitude_map::{read_for, refuse as refuse_map};
 use slipgrid_io::formats::{Diagnostic, checked};
 use slipgrid_report::surface::{FILES, Measured, SurfaceReport, files, period_note, period_text};
 
 /// Reads the map, measures it and reports.
-pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let folder = open_folder(args.output.as_ref(), &FILES, std::slice::from_ref(&args.map))?;
     if let Some(file) = &args.period_out {
         check_map_file(Place { flag: "--period-out", path: file }, std::slice::from_ref(&args.map))?;
@@ -61,5 +61,5 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     console.report(args.json, &report, || report.table())?;
     // A map without a mean period has its other results.
     period.transpose().map_err(refuse)?;
-    Ok(exit_code::DONE)
+    Ok(())
 }

@@ -6,14 +6,14 @@ use slipgrid_surface::topography::{
 
 use crate::args::SynthesizeArgs;
 use crate::output::{Place, check_map_file, write_file};
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_base::monitor::Unwatched;
 use slipgrid_base::units::{LENGTH_MM, LENGTH_UM, SLOPE};
 use slipgrid_design::results::fixed;
 use slipgrid_io::formats::{Diagnostic, checked};
 
 /// Makes the map and writes it.
-pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     check_map_file(Place::output(&args.output), &[])?;
     check_waves(args)?;
     let mut parameters = SelfAffine {
@@ -36,7 +36,7 @@ pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliEr
     let decimals = (5.0 - (parameters.sa_m * 1e9).log10().ceil()).clamp(0.0, 15.0) as u8;
     let style = MatrixStyle { channel: "altitude".to_owned(), comments, unit: LengthUnit::Nanometre, decimals };
     write_file(&args.output, map.to_matrix_text(&style).as_bytes())?;
-    console.answer(&format!(
+    Ok(console.answer(&format!(
         "{}: synthetic, {} x {} pixels of {} um, Sa {} um, rms slope {}{}\n",
         args.output.display(),
         map.rows(),
@@ -45,8 +45,7 @@ pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliEr
         fixed(Some(LENGTH_UM.from_si(parameters.sa_m)), 4),
         fixed(Some(rms_slope), 6),
         cavities.map_or_else(String::new, |count| format!(" before {count} cavities were cut")),
-    ))?;
-    Ok(exit_code::DONE)
+    ))?)
 }
 
 /// Checks that the pixels resolve the shortest wave; does not check the number of pixels.

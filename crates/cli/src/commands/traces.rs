@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::args::TracesArgs;
 use crate::output::{self, open};
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_base::units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S};
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::file_kind::FileKind;
@@ -27,7 +27,7 @@ pub const FILES: [&str; 7] = [
 ];
 
 /// Reads exports and reports.
-pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let folder = open(args.output.as_ref(), &FILES, &args.files)?;
     let conditions = match &args.files[..] {
         [file] if is_calibration(file) => of_calibration(file, args)?,
@@ -42,8 +42,7 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         output::add(&outputs, folder)?;
         console.kept(&outputs, folder.path());
     }
-    console.answer(&traces::summary(&conditions))?;
-    Ok(exit_code::DONE)
+    Ok(console.answer(&traces::summary(&conditions))?)
 }
 
 fn is_calibration(file: &Path) -> bool {

@@ -10,11 +10,11 @@ use slipgrid_report::trials::TrialsReport;
 use crate::args::TrialsArgs;
 use crate::output::open;
 use crate::progress::Job;
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_io::disk::disk;
 
 /// Compares every trial with the model and reports.
-pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let calibration = Calibration::read(&disk(), &args.calibration)?;
     console.warn(&calibration.stated.notes);
     let names = ["trials.*", "report.html", "result.json", "timings.json", friction_sheet::FILE, linked_data::FILE];
@@ -25,6 +25,5 @@ pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     if let Some(folder) = &folder {
         console.keep(&report.files(&FrictionSheet::new(&calibration))?, folder)?;
     }
-    console.report(args.json, &report, || if args.details { report.text() } else { report.brief() })?;
-    Ok(exit_code::DONE)
+    console.report(args.json, &report, || if args.details { report.text() } else { report.brief() })
 }

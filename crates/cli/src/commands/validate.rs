@@ -11,7 +11,7 @@ use slipgrid_validate::validation::{self, Patterns, ValidationTask, validate};
 use crate::args::ValidateArgs;
 use crate::output::open;
 use crate::progress::Job;
-use crate::{CliError, Console, exit_code};
+use crate::{CliError, Console};
 use slipgrid_io::disk::disk;
 
 /// Range of the pattern's lengths: ten centimetres exceed any specimen.
@@ -37,7 +37,7 @@ const FILES: [&str; 11] = [
 ];
 
 /// Reads the measurements, models every condition and reports.
-pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<(), CliError> {
     let folder = open(args.output.as_ref(), &FILES, std::slice::from_ref(&args.calibration))?;
     // Flags are checked before any file is read.
     patterns(args, None)?;
@@ -73,8 +73,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(folder) = &folder {
         console.keep(&outputs, folder)?;
     }
-    console.report(args.json, &report, || validation::text(&report))?;
-    Ok(exit_code::DONE)
+    console.report(args.json, &report, || validation::text(&report))
 }
 
 /// Refuses length flags together with the trial `cut`, which defines its lengths.
