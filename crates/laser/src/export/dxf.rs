@@ -6,6 +6,7 @@
 
 mod of_sectors;
 
+use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use slipgrid_model::pattern::{Arrangement, Pattern};
@@ -54,15 +55,7 @@ pub fn dxf(layout: &Layout, heading: &Heading, to: &mut dyn Write) -> io::Result
             sliding_direction(pattern.texture())
         ),
     });
-    file.comment(&format!(
-        "Pattern: {}{}, width {:.3} um, spacing {:.3} um, depth {:.3} um, {} cavities",
-        pattern.planform(),
-        texture_words(pattern),
-        pattern.width_m() * 1e6,
-        pattern.spacing_m() * 1e6,
-        pattern.depth_m() * 1e6,
-        layout.cavities()
-    ));
+    file.comment(&format!("Pattern: {}, {} cavities", pattern_words(pattern), layout.cavities()));
     if let Some(outline) = pattern.texture().outline() {
         file.comment(&format!("Outline of a cavity: polygon of {} corners", outline.vertices().len()));
     }
@@ -91,27 +84,27 @@ fn half_extents_mm(outline: &Outline) -> (f64, f64) {
     (extent_x_m * 500.0, extent_y_m * 500.0)
 }
 
-/// Describes properties of the texture that are not the default, without the planform; each part begins with a comma.
-fn texture_words(pattern: &Pattern) -> String {
+/// Describes the planform, properties of the texture that are not the default, and the lengths of the pattern.
+fn pattern_words(pattern: &Pattern) -> String {
     let texture = pattern.texture();
-    let mut words = String::new();
+    let mut words = pattern.planform().to_string();
     if texture.groove_angle_deg() != 0.0 || texture.crossing_angle_deg().is_some() {
-        words.push_str(", ");
-        words.push_str(&groove_direction(texture));
+        words += &format!(", {}", groove_direction(texture));
     }
     if texture.arrangement() != Arrangement::Square {
-        words.push_str(", ");
-        words.push_str(texture.arrangement().name());
+        words += &format!(", {}", texture.arrangement().name());
     }
     for (name, length_m) in [
         ("length", texture.length_m().and(pattern.length_m())),
         ("spacing across", texture.spacing_across_m().and(pattern.spacing_across_m())),
     ] {
         if let Some(length_m) = length_m {
-            words.push_str(&format!(", {name} {:.3} um", length_m * 1e6));
+            words += &format!(", {name} {:.3} um", length_m * 1e6);
         }
     }
-    words
+    let [width_um, spacing_um, depth_um] =
+        [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()].map(|length_m| length_m * 1e6);
+    format!("{words}, width {width_um:.3} um, spacing {spacing_um:.3} um, depth {depth_um:.3} um")
 }
 
 /// Arrow along the sliding direction below the specimen, in millimetres.
@@ -231,24 +224,13 @@ impl Writer {
         self.pair(0, "EOF");
     }
 
-    fn code(&mut self, code: u16) {
-        let text = code.to_string();
-        for _ in text.len()..3 {
-            self.out.push(' ');
-        }
-        self.out.push_str(&text);
-        self.out.push('\n');
-    }
-
     fn pair(&mut self, code: u16, value: &str) {
-        self.code(code);
-        self.out.push_str(value);
-        self.out.push('\n');
+        let _ = writeln!(self.out, "{code:>3}\n{value}");
     }
 
     /// Writes a real number, always with a decimal point.
     fn real(&mut self, code: u16, value: f64) {
-        self.code(code);
+        let _ = writeln!(self.out, "{code:>3}");
         let start = self.out.len();
         push_decimal(&mut self.out, value, COORDINATE_DECIMALS);
         if !self.out[start..].contains('.') {

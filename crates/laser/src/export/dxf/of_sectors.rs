@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::{Arrow, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, Writer, half_extents_mm, texture_words};
+use super::{Arrow, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, Writer, half_extents_mm, pattern_words};
 use crate::export::{Heading, Laser, Sector, flush_full, flush_rest, steps};
 
 /// Layer of the mark, which the laser cuts into a land so that sectors can be identified.
@@ -34,16 +34,11 @@ pub fn dxf_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
         division.count()
     ));
     for sector in sectors {
-        let (number, pattern) = (sector.number(), sector.pattern());
-        let steps = steps(sector.whole(), laser);
+        let (number, steps) = (sector.number(), steps(sector.whole(), laser));
         file.comment(&format!(
-            "{}: {}{}, width {:.3} um, spacing {:.3} um, depth {:.3} um{steps}, turned by {:.6} degrees",
+            "{}: {}{steps}, turned by {:.6} degrees",
             sector_layer(number),
-            pattern.planform(),
-            texture_words(pattern),
-            pattern.width_m() * 1e6,
-            pattern.spacing_m() * 1e6,
-            pattern.depth_m() * 1e6,
+            pattern_words(sector.pattern()),
             division.turn_deg(number),
         ));
     }
