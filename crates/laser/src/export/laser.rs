@@ -94,18 +94,14 @@ impl Laser {
             return Err(ExportError::out_of_range("wall_taper_deg", taper_deg, &expected));
         }
         let Some(spot_um) = self.spot_um else { return Ok(()) };
-        let limit_um = spot_um / MAX_LINES_PER_SPOT;
-        if let Some(value_um) = self.hatch_um.filter(|hatch_um| *hatch_um < limit_um) {
-            let (what, relation, limit) = ("hatch_um", "below", "a thousandth of spot_um");
-            return Err(ExportError::BeyondLaser { what, value_um, relation, limit, limit_um });
-        }
-        let beyond = |what, value_um: f64| {
-            let limit = "spot_um";
-            Err(ExportError::BeyondLaser { what, value_um, relation: "above", limit, limit_um: spot_um })
+        let least_um = spot_um / MAX_LINES_PER_SPOT;
+        let beyond = |value_um, relation, limit, limit_um| {
+            Err(ExportError::BeyondLaser { what: "hatch_um", value_um, relation, limit, limit_um })
         };
         // Rounding tolerance of one part in a million.
         match (self.hatch_um, self.pulse_distance_um()) {
-            (Some(hatch_um), _) if hatch_um > spot_um * (1.0 + 1e-6) => beyond("hatch_um", hatch_um),
+            (Some(um), _) if um < least_um => beyond(um, "below", "a thousandth of spot_um", least_um),
+            (Some(um), _) if um > spot_um * (1.0 + 1e-6) => beyond(um, "above", "spot_um", spot_um),
             (_, Some(pulse_um)) if pulse_um > spot_um * (1.0 + 1e-6) => Err(ExportError::PulsesApart {
                 pulse_um,
                 speed_mm_s: self.speed_mm_s.unwrap_or_default(),
