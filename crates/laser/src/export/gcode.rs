@@ -71,9 +71,7 @@ pub fn gcode(layout: &Layout, plan: &GcodePlan, heading: &Heading, to: &mut dyn 
 
 /// Appends a comment in parentheses, in printable ASCII; inner parentheses become brackets.
 fn comment(out: &mut String, text: &str) {
-    out.push('(');
-    out.push_str(&ascii(text).replace('(', "[").replace(')', "]"));
-    out.push_str(")\n");
+    out.push_str(&format!("({})\n", ascii(text).replace('(', "[").replace(')', "]")));
 }
 
 fn word(out: &mut String, command: &str, [x_m, y_m]: [f64; 2]) {

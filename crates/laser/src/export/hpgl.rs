@@ -52,9 +52,7 @@ pub fn hpgl(layout: &Layout, marking: Option<&Marking>, heading: &Heading, to: &
 
 /// Writes a comment: printable ASCII without quotation marks.
 fn comment(out: &mut String, text: &str) {
-    out.push_str("CO \"");
-    out.push_str(&ascii(text).replace('"', "'"));
-    out.push_str("\";\n");
+    out.push_str(&format!("CO \"{}\";\n", ascii(text).replace('"', "'")));
 }
 
 fn path(out: &mut String, points_m: &[[f64; 2]], closed: bool) {

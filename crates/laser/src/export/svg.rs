@@ -81,11 +81,9 @@ pub fn svg(layout: &Layout, heading: &Heading, to: &mut dyn io::Write) -> io::Re
     page.scale_bar([MARGIN + CONTENT, bar_top + 3.0]);
     page.detail(layout, [MARGIN, footer_top]);
     let text_left = MARGIN + TEXT_LEFT;
-    let mut baseline = footer_top + TEXT_SIZE;
-    for (line, text) in arrangement.iter().enumerate() {
-        if line > 0 {
-            baseline += LINE_HEIGHT;
-        }
+    let mut baseline = footer_top + TEXT_SIZE - LINE_HEIGHT;
+    for text in &arrangement {
+        baseline += LINE_HEIGHT;
         page.text([text_left, baseline], "start", TEXT_SIZE, " font-weight=\"bold\"", text);
     }
     for (name, value) in &dimensions {
