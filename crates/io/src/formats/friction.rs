@@ -118,20 +118,6 @@ pub fn read_condition(
     })
 }
 
-/// Coefficients at one condition, or at any condition, with their errors, as written in the file.
-struct Coefficients<'f> {
-    /// Condition of the coefficients; `None` if they hold at any condition.
-    condition: Option<Condition>,
-    /// Nominal pressures, one per coefficient; `None` if the coefficients hold at any pressure.
-    pressure_mpa: Option<&'f NumberList>,
-    static_mean: &'f Spanned<Numbers>,
-    dynamic_mean: &'f Spanned<Numbers>,
-    static_std_error: Option<&'f Spanned<Numbers>>,
-    dynamic_std_error: Option<&'f Spanned<Numbers>>,
-    dynamic_std_error_given_law: Option<&'f Spanned<Numbers>>,
-    dynamic_over_steady: Option<&'f Spanned<Numbers>>,
-}
-
 /// Reads the friction coefficients and their errors; fields of the returned uncertainty that `[friction]` does not
 /// state keep their defaults.
 ///
@@ -145,84 +131,79 @@ pub(super) fn read_friction(
         document.optional(file.get_ref().relative_std.as_ref(), RELATIVE_STD)?.unwrap_or(DEFAULT_RELATIVE_STD);
     let tables = coefficients(document, file)?;
     let (mut rows, mut known) = (Vec::new(), MaterialUncertainty::default());
-    for table in &tables {
-        let pressures_pa = table.pressure_mpa.map(|list| increasing(document, list, PRESSURE_MPA)).transpose()?;
+    for (condition, table) in &tables {
+        let static_mean = table.static_mean.as_ref().ok_or_else(|| document.missing(file.span(), "static_mean"))?;
+        let dynamic_mean = table.dynamic_mean.as_ref().ok_or_else(|| document.missing(file.span(), "dynamic_mean"))?;
+        let is_list = |mean: &&&Spanned<Numbers>| matches!(mean.get_ref(), Numbers::Each(_));
+        if let (None, Some(list)) = (&table.pressure_mpa, [static_mean, dynamic_mean].iter().find(is_list)) {
+            return Err(document
+                .refuse(list.span(), "is a list without pressures")
+                .expected("one number, or `pressure_mpa` beside it, one for each coefficient"));
+        }
+        let pressures_pa = table.pressure_mpa.as_ref().map(|list| increasing(document, list, PRESSURE_MPA));
+        let pressures_pa = pressures_pa.transpose()?;
         let count = pressures_pa.as_ref().map_or(1, Vec::len);
         let each = |numbers, quantity| for_each(document, numbers, quantity, count, "pressure");
-        let std_error = |numbers: Option<_>| numbers.map(|numbers| each(numbers, FRICTION_STD)).transpose();
-        let (static_mean, dynamic_mean) = (each(table.static_mean, FRICTION)?, each(table.dynamic_mean, FRICTION)?);
-        let static_std = std_error(table.static_std_error)?;
-        let with_law = std_error(table.dynamic_std_error)?;
-        let given_law = std_error(table.dynamic_std_error_given_law)?;
-        let excess = table.dynamic_over_steady.map(|numbers| each(numbers, EXCESS)).transpose()?;
+        let optional = |own: Option<_>, quantity| own.map(|own| each(own, quantity)).transpose();
+        let (static_mean, dynamic_mean) = (each(static_mean, FRICTION)?, each(dynamic_mean, FRICTION)?);
+        let static_std = optional(table.static_std_error.as_ref(), FRICTION_STD)?;
+        let with_law = optional(table.dynamic_std_error.as_ref(), FRICTION_STD)?;
+        let given_law = optional(table.dynamic_std_error_given_law.as_ref(), FRICTION_STD)?;
+        let excess = optional(table.dynamic_over_steady.as_ref(), EXCESS)?;
         known.has_marginal_errors |= given_law.is_some();
         // Errors at the given area law are those of flat friction.
         let dynamic_std = given_law.or(with_law);
         for row in 0..count {
             let pressure_pa = pressures_pa.as_ref().map(|list| list[row]);
             let estimate =
-                |value, std_error| CoefficientEstimate { pressure_pa, condition: table.condition, value, std_error };
+                |value, std_error| CoefficientEstimate { pressure_pa, condition: *condition, value, std_error };
             known.friction.extend(dynamic_std.as_ref().map(|std| estimate(dynamic_mean[row], std[row])));
             known.static_friction.extend(static_std.as_ref().map(|std| estimate(static_mean[row], std[row])));
             known.dynamic_over_steady.extend(excess.as_ref().map(|excess| estimate(excess[row], 0.0)));
             let friction = LocalFriction::new(static_mean[row], dynamic_mean[row], relative_std)
                 .map_err(|error| document.refuse(file.span(), error.to_string()))?;
             let pressure_pa = pressure_pa.unwrap_or_default();
-            rows.push(ConditionFriction { pressure_pa, condition: table.condition, friction });
+            rows.push(ConditionFriction { pressure_pa, condition: *condition, friction });
         }
     }
     known.scale_covariance = scale_covariance(document, file.get_ref())?;
     let friction = match (&tables[..], &rows[..]) {
-        ([Coefficients { pressure_mpa: None, .. }], [only]) => Friction::Single(only.friction),
+        ([(_, FrictionFile { pressure_mpa: None, .. })], [only]) => Friction::Single(only.friction),
         _ => Friction::PerCondition(rows),
     };
     Ok((friction, known))
 }
 
-/// Coefficients of `file`: one entry per condition, or a single entry for any condition.
-fn coefficients<'f>(document: &Document, file: &'f Spanned<FrictionFile>) -> Result<Vec<Coefficients<'f>>, Diagnostic> {
-    let friction = file.get_ref();
-    let mut tables: Vec<Coefficients<'f>> = Vec::new();
-    for table in friction.conditions.iter().map(Spanned::get_ref) {
+/// Coefficients of `file`: one entry per condition, or a single entry for any condition, `None`.
+fn coefficients(
+    document: &Document,
+    file: &Spanned<FrictionFile>,
+) -> Result<Vec<(Option<Condition>, FrictionFile)>, Diagnostic> {
+    let mut tables: Vec<(Option<Condition>, FrictionFile)> = Vec::new();
+    for table in file.get_ref().conditions.iter().map(Spanned::get_ref).cloned() {
         let condition = read_condition(document, &table.speed_mm_s, &table.humidity_pct)?;
-        if tables.iter().any(|other| other.condition.is_some_and(|other| other.matches(&condition))) {
+        if tables.iter().any(|(other, _)| other.is_some_and(|other| other.matches(&condition))) {
             return Err(document
                 .refuse(table.speed_mm_s.span(), "and this humidity occur a second time")
                 .expected("one table per condition"));
         }
-        tables.push(Coefficients {
-            condition: Some(condition),
-            pressure_mpa: Some(&table.pressure_mpa),
-            static_mean: &table.static_mean,
-            dynamic_mean: &table.dynamic_mean,
-            static_std_error: table.static_std_error.as_ref(),
-            dynamic_std_error: table.dynamic_std_error.as_ref(),
-            dynamic_std_error_given_law: table.dynamic_std_error_given_law.as_ref(),
-            dynamic_over_steady: table.dynamic_over_steady.as_ref(),
-        });
+        let of_condition = FrictionFile {
+            pressure_mpa: Some(table.pressure_mpa),
+            static_mean: Some(table.static_mean),
+            dynamic_mean: Some(table.dynamic_mean),
+            static_std_error: table.static_std_error,
+            dynamic_std_error: table.dynamic_std_error,
+            dynamic_std_error_given_law: table.dynamic_std_error_given_law,
+            dynamic_over_steady: table.dynamic_over_steady,
+            ..FrictionFile::default()
+        };
+        tables.push((Some(condition), of_condition));
     }
-    if !tables.is_empty() {
-        refuse_beside_conditions(document, file)?;
-        return Ok(tables);
+    if tables.is_empty() {
+        return Ok(vec![(None, file.get_ref().clone())]);
     }
-    let static_mean = friction.static_mean.as_ref().ok_or_else(|| document.missing(file.span(), "static_mean"))?;
-    let dynamic_mean = friction.dynamic_mean.as_ref().ok_or_else(|| document.missing(file.span(), "dynamic_mean"))?;
-    let is_list = |mean: &&&Spanned<Numbers>| matches!(mean.get_ref(), Numbers::Each(_));
-    if let (None, Some(list)) = (&friction.pressure_mpa, [static_mean, dynamic_mean].iter().find(is_list)) {
-        return Err(document
-            .refuse(list.span(), "is a list without pressures")
-            .expected("one number, or `pressure_mpa` beside it, one for each coefficient"));
-    }
-    Ok(vec![Coefficients {
-        condition: None,
-        pressure_mpa: friction.pressure_mpa.as_ref(),
-        static_mean,
-        dynamic_mean,
-        static_std_error: friction.static_std_error.as_ref(),
-        dynamic_std_error: friction.dynamic_std_error.as_ref(),
-        dynamic_std_error_given_law: friction.dynamic_std_error_given_law.as_ref(),
-        dynamic_over_steady: friction.dynamic_over_steady.as_ref(),
-    }])
+    refuse_beside_conditions(document, file)?;
+    Ok(tables)
 }
 
 /// Keys of `[friction]` for coefficients that hold at any condition.
