@@ -127,7 +127,7 @@ impl Calibration {
         remarks.told.extend(outline_told(document, &file.specimen, &outline)?);
         let mut reader = TraceReader::new(document, &file)?;
         let samples = sharing_force(document, file.measurements.as_ref())?;
-        let Measured { flat: placed, patterned, mut traces } = read_measured(document, &file, samples, &mut reader)?;
+        let ([placed, patterned], mut traces) = read_measured(document, &file, samples, &mut reader)?;
         for rows in [&placed, &patterned] {
             remarks.told.extend(measured::check(rows, &specimens)?);
             remarks.repeated.extend(measured::identical(&[], rows));
@@ -279,19 +279,13 @@ fn tables(document: &Document, file: &CalibrationFile) -> Vec<PathBuf> {
     tables.flatten().chain(trials).map(|name| document.resolve(name.get_ref())).collect()
 }
 
-/// Measurements on flat and patterned samples, from tables or traces, and the traces.
-struct Measured {
-    flat: Vec<Placed>,
-    patterned: Vec<Placed>,
-    traces: Vec<ConditionTraces>,
-}
-
+/// Reads the measurements on flat and on patterned samples, from tables or traces, and the traces.
 fn read_measured(
     document: &Document,
     file: &CalibrationFile,
     samples: u32,
     reader: &mut TraceReader<'_>,
-) -> Result<Measured, Diagnostic> {
+) -> Result<([Vec<Placed>; 2], Vec<ConditionTraces>), Diagnostic> {
     let mut tables = [Vec::new(), Vec::new()];
     if let Some(table) = &file.measurements {
         for (rows, name) in tables.iter_mut().zip([&table.get_ref().flat, &table.get_ref().patterned]) {
@@ -317,8 +311,7 @@ fn read_measured(
             read.push(traces);
         }
     }
-    let [flat, patterned] = tables;
-    if flat.is_empty() {
+    if tables[SurfaceKind::Flat as usize].is_empty() {
         let missing = match &file.measurements {
             Some(table) => document.missing(table.span(), "flat"),
             None => document.missing(0..0, "measurements.flat"),
@@ -327,7 +320,7 @@ fn read_measured(
             "a table, or [traces] of flat samples; traces of a cut sample stand beside them, in its [[trial]] as [[trial.traces]]",
         ));
     }
-    Ok(Measured { flat, patterned, traces: read })
+    Ok((tables, read))
 }
 
 fn read_scale(document: &Document, fit: &FitFile, has_surface: bool) -> Result<Option<[f64; 2]>, Diagnostic> {

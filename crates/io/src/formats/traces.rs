@@ -233,7 +233,7 @@ pub(crate) fn analyse_among(
     let (mut traces, mut names, mut refused) = (Vec::new(), Vec::new(), Vec::new());
     for export in &condition.files {
         let path = &export.path;
-        let file = read_export(source, export, setup)?;
+        let file = parse_export(export, &read_letters(source, path, "a table of traces")?, setup)?;
         let several = file.repeats.len() > 1;
         let near_titles = near_titles(&file, &setup.titles);
         for repeat in &file.repeats {
@@ -351,10 +351,6 @@ fn words_of_odd(odd: &OddRepeat, mu: f64, first: &str) -> String {
              both count"
         ),
     }
-}
-
-fn read_export(source: &Source, export: &Export, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
-    parse_export(export, &read_letters(source, &export.path, "a table of traces")?, setup)
 }
 
 /// Reads an export from its `text`; messages name the path of the export.
