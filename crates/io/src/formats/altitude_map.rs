@@ -151,15 +151,13 @@ pub fn open(source: &Source, path: &Path, options: &ReadOptions, monitor: &dyn M
         let found = text.and_then(Result::ok).and_then(|text| FileKind::of(&text));
         match (found, error) {
             (Some(kind), _) => Diagnostic::file(path, kind.seems()).expected(EXPECTED),
-            (None, error @ ReadError::NotGiven { .. }) => ways(path, &error),
-            (None, error @ (ReadError::DecimalComma { .. } | ReadError::Oblong { .. })) => ways(path, &error),
-            (None, error) => Diagnostic::file(path, error.to_string()),
+            (None, error) => refuse_read(path, &error),
         }
     })
 }
 
-/// Diagnostic for an error in reading the map at `path`, with the options that would help.
-fn ways(path: &Path, error: &ReadError) -> Diagnostic {
+/// Diagnostic for an error in reading the map at `path`, with the options that would help, if any.
+fn refuse_read(path: &Path, error: &ReadError) -> Diagnostic {
     let ways: Vec<String> = match error {
         ReadError::NotGiven { missing } | ReadError::DecimalComma { missing, .. } => {
             missing.iter().map(|missing| how_to_give(missing.option).to_owned()).collect()
@@ -171,7 +169,7 @@ fn ways(path: &Path, error: &ReadError) -> Diagnostic {
                 "--pixel-um {x} --pixel-y-um {y}; in a calibration's [surface]: pixel_um = {x}, pixel_y_um = {y}"
             )]
         }
-        _ => Vec::new(),
+        _ => return Diagnostic::file(path, error.to_string()),
     };
     let refusal = Refusal::from_error(error);
     let expected = refusal.expected().unwrap_or_default();
@@ -227,7 +225,7 @@ mod tests {
     #[test]
     fn the_pixels_that_a_header_with_oblong_ones_makes_are_those_to_be_given() {
         let error = ReadError::Oblong { sides_m: [480e-6, 480e-6], rows: 240, cols: 320 };
-        let said = ways(Path::new("m.asc"), &error).to_string();
+        let said = refuse_read(Path::new("m.asc"), &error).to_string();
         assert!(said.contains("make pixels of 1.5 x 2 um"), "{said}");
         let given = "(--pixel-um 1.5 --pixel-y-um 2; in a calibration's [surface]: pixel_um = 1.5, pixel_y_um = 2)";
         assert!(said.ends_with(given), "{said}");

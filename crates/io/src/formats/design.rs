@@ -326,22 +326,15 @@ fn check_strip(
     if !search.get_ref().strip {
         return Ok(());
     }
-    let strip = document.value_span(&search.span(), "strip");
     let is_in_space = dimensions.map_or_else(|| Dimension::required_for(textures), Dimension::numbered).sees_face();
-    if !is_in_space {
-        return Err(document
-            .refuse(strip, "is of designs in space: in the plane all strips of the specimen are solved")
-            .expected("false"));
-    }
-    if textures.iter().any(Texture::slides_aslant) {
-        return Err(document
-            .refuse(
-                strip,
-                "is of patterns that slide along their rows or across them: others repeat at no distance across",
-            )
-            .expected("false"));
-    }
-    Ok(())
+    let reason = if !is_in_space {
+        "is of designs in space: in the plane all strips of the specimen are solved"
+    } else if textures.iter().any(Texture::slides_aslant) {
+        "is of patterns that slide along their rows or across them: others repeat at no distance across"
+    } else {
+        return Ok(());
+    };
+    Err(document.refuse(document.value_span(&search.span(), "strip"), reason).expected("false"))
 }
 
 #[cfg(test)]

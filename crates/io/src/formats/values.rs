@@ -225,15 +225,10 @@ pub fn column(
 /// [`Diagnostic`] if the list is empty, a number is refused, or a number does not exceed the one before.
 pub fn increasing(document: &Document, values: &NumberList, quantity: Quantity) -> Result<Vec<f64>, Diagnostic> {
     let read = document.numbers(values, quantity)?;
-    for (place, pair) in read.windows(2).enumerate() {
-        if pair[1] <= pair[0] {
-            let value = &values.get_ref()[place + 1];
-            return Err(document
-                .refuse(value.span(), format!("does not exceed the {} before it", values.get_ref()[place].get_ref()))
-                .expected("numbers that increase"));
-        }
-    }
-    Ok(read)
+    let Some(place) = read.windows(2).position(|pair| pair[1] <= pair[0]) else { return Ok(read) };
+    let (before, value) = (values.get_ref()[place].get_ref(), &values.get_ref()[place + 1]);
+    let refused = document.refuse(value.span(), format!("does not exceed the {before} before it"));
+    Err(refused.expected("numbers that increase"))
 }
 
 /// A path to a file with the table, or the table itself.

@@ -66,16 +66,14 @@ impl Document {
         let mut refused = self.refuse(span, "");
         // A reader takes the table that a list holds for the first key of the table it expects.
         if is_listed && (said.ends_with("expected a table") || said.starts_with("invalid type: table")) {
-            let key = refused.key.clone().unwrap_or_default();
-            refused.value = None;
-            "stands in double brackets, as one of a list".clone_into(&mut refused.reason);
-            return refused.expected(format!("one table, [{key}]"));
+            let expected = format!("one table, [{}]", refused.key.as_deref().unwrap_or_default());
+            let reason = "stands in double brackets, as one of a list".to_owned();
+            return Diagnostic { value: None, reason, ..refused }.expected(expected);
         }
         if is_heading && said == "invalid type: table, expected a list" {
-            let key = refused.key.clone().unwrap_or_default();
-            refused.value = None;
-            "stands in single brackets, and is one of a list".clone_into(&mut refused.reason);
-            return refused.expected(format!("double brackets, [[{key}]]"));
+            let expected = format!("double brackets, [[{}]]", refused.key.as_deref().unwrap_or_default());
+            let reason = "stands in single brackets, and is one of a list".to_owned();
+            return Diagnostic { value: None, reason, ..refused }.expected(expected);
         }
         if let Some((what, expected)) = said.rsplit_once(", expected ") {
             what.clone_into(&mut refused.reason);

@@ -89,11 +89,8 @@ pub(super) fn outline(text: &str, layer: Option<&str>) -> Result<(Corners, u32),
     if let (true, Some(layer)) = (found.is_empty(), layer) {
         let others = Vec::from_iter(others).join(", ");
         let named = if others.is_empty() { "no layer at all" } else { &others };
-        return Err(wrong_at(
-            "layer",
-            layer,
-            wrong(None, format!("holds nothing on that layer, but on {named}"), EXPECTED),
-        ));
+        let refused = wrong(None, format!("holds nothing on that layer, but on {named}"), EXPECTED);
+        return Err(wrong_at("layer", layer, refused));
     }
     only(found, EXPECTED)
 }
