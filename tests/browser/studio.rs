@@ -343,6 +343,12 @@ fn works(page: &mut dyn Page, folder: &Path) {
     says(page, "# by another hand");
     fs::write(folder.join("seal.toml"), file("seal.toml").replace("[bounds]", "[bonds]")).unwrap();
     says(page, "bonds");
+    // A page without a field for a message leads to its line.
+    let misspelt = file("seal.toml").replace("[bonds]", "[bounds]").replace("min_land_um", "min_lnad_um");
+    fs::write(folder.join("seal.toml"), misspelt).unwrap();
+    press(page, "Design");
+    press(page, "Edit line");
+    says(page, "# by another hand");
     // What another tab put in the place where this one adds a trial is kept, and seen here though the file keeps its time.
     let pattern = json!({ "width_um": 99, "spacing_um": 990, "depth_um": 9 });
     let trial = |name: &str| json!([{ "at": ["trial", 1], "value": { "name": name, "pattern": pattern } }]);

@@ -1,7 +1,7 @@
 // Forms drawn from a JSON schema. Each field writes one key of the TOML file through the server.
 
-import { edit, on, ofKind } from "./api.js";
-import { alert, button, h, newId, parent, relative, valueAt } from "./ui.js";
+import { edit, has, hashOf, on, ofKind } from "./api.js";
+import { alert, button, h, link, newId, parent, relative, valueAt } from "./ui.js";
 
 const UNITS = { um: "µm", mm: "mm", mpa: "MPa", n: "N", mm_s: "mm/s", pct: "%", s: "s", gpa: "GPa", g_cm3: "g/cm³",
   deg: "°", nm: "nm", ns: "ns", hz: "Hz", j_cm2: "J/cm²", gw_cm2: "GW/cm²" };
@@ -248,21 +248,30 @@ export function drawForm(root, doc, schema, groups, signal) {
   update(doc);
 }
 
+/// Field of a key on the page, or the nearest table that holds it; null if the page has neither.
+const fieldOf = (key) => document.querySelector(`[data-key="${CSS.escape(key)}"]`)
+  ?? (key.includes(".") ? fieldOf(key.slice(0, key.lastIndexOf("."))) : null);
+
 /// Opens the groups around a field, or the nearest table that holds it, and focuses it.
 function goTo(key) {
-  const field = document.querySelector(`[data-key="${CSS.escape(key)}"]`);
-  if (!field) return key.includes(".") ? goTo(key.slice(0, key.lastIndexOf("."))) : undefined;
-  for (let el = field.closest("details"); el; el = el.parentElement.closest("details")) el.open = true;
-  field.focus();
+  const field = fieldOf(key);
+  for (let el = field?.closest("details"); el; el = el.parentElement.closest("details")) el.open = true;
+  field?.focus();
 }
 
-/// Box with all errors and warnings of a document.
+/// Way to the place of a message: its field, or its line in the text if this page has no field for it.
+function way({ key, file, line }) {
+  const own = normal(key);
+  if (own && fieldOf(own)) return button("Go to the field", () => goTo(own), { class: "quiet" });
+  return line && has(file) && link(hashOf("files", { file }), `Edit line ${line} of ${file}`);
+}
+
+/// Box with all errors and warnings of a document. Forms on the same page are drawn before.
 export function drawSummary(root, doc, signal) {
   const update = (next) => {
     if (next.path !== doc.path) return;
     const { errors, warnings } = next.check;
-    const list = (items) => h("ul", {}, items.map((item) => h("li", {}, item.message, " ", item.key
-      && button("Go to the field", () => goTo(normal(item.key)), { class: "quiet" }))));
+    const list = (items) => h("ul", {}, items.map((item) => h("li", {}, item.message, " ", way(item))));
     const box = (items, title, kind) => items.length > 0
       && h("div", { class: `note summary ${kind}` }, h("strong", {}, title), list(items));
     root.replaceChildren(...[box(errors, "Correct these first", "errors"),

@@ -170,8 +170,8 @@ export async function show(root, signal) {
     heading("Fit"), fit, outdated(path, `out/${name}-fit/report.html`, "Fit the material again.", signal), report,
     h("details", { class: "group" }, h("summary", {}, "Another material"), another));
   startMaterial(another);
-  drawSummary(problems, doc, signal);
   drawForm(form, doc, keys, [{ at: [], only: ["name", "source"] }, ...GROUPS], signal);
+  drawSummary(problems, doc, signal);
   fit.attach("calibrate", path);
   showFit();
 

@@ -45,7 +45,7 @@ const asWritten = (target, key) => (target.single.has(key) ? target[key][0] : ta
 
 /// Table of pressures with their numbers, and the kind of the target.
 function targetTable(getTarget, onEdit, onFail) {
-  const root = h("div", {});
+  const root = h("div", { "data-key": "target", tabindex: "-1" });
   const write = (edits) => onEdit(edits.map(([key, value]) => ({ at: ["target", key], value })));
   let drawn = null;
   let last = {};
@@ -182,9 +182,9 @@ export async function show(root, signal) {
     explorer), heading("Conditions and limits"), form,
   h("details", { class: "group" }, h("summary", {}, "Another design"), another));
   startDesign(another);
-  drawSummary(problems, doc, signal);
   drawForm(top, doc, keys, [{ at: ["target"], only: ["quantity", "goal", "weights"] }], signal);
   drawForm(form, doc, keys, GROUPS, signal);
+  drawSummary(problems, doc, signal);
   const update = (next) => {
     if (next.path !== path || !next.values) return;
     target = readTarget(next.values);

@@ -79,6 +79,8 @@ fn conditions_and_trials_have_traces_of_their_own() {
     // A table [traces] without conditions says how those of a trial are read.
     let setup = format!("{head}{measured}{traces}{tail}{}", trial(""));
     assert_eq!(read(&setup).unwrap().stated.trials, own.stated.trials);
+    // Once the last trace is taken off, they wait for the next one.
+    assert!(read(&setup.replace(&cut, "")).unwrap().traces.is_empty());
     // A share of strokes is that of a trial that alone turns.
     let share = read(&setup.replace("radius_mm = 40.0\n", "radius_mm = 40.0\nstroke_share = 0.4\n")).unwrap();
     assert_eq!(share.traces[1].condition.stroke_share, Some(0.4));
@@ -101,7 +103,6 @@ fn conditions_and_trials_have_traces_of_their_own() {
         (text("").replace("cut-1.csv", "a-1.csv"), "a-1.csv once more"),
         (text("").replace("a-*.csv", "a-1.csv\", \"a-*.csv"), "traces.condition.files"),
         (text("").replace("a-*.csv", "out"), "\"out\" is a folder"),
-        (setup.replace(&cut, ""), "traces.condition: is missing"),
         (split("window_s = [20.0, 40.0]\n"), "has 50 N, 2 mm/s, 15 % again"),
     ] {
         let refused = read(&text).unwrap_err().to_string();

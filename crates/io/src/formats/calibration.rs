@@ -296,7 +296,8 @@ fn read_measured(
     }
     let mut read = Vec::new();
     if let Some(table) = &file.traces {
-        let needed = !file.trial.iter().any(|trial| trial.get_ref().traces.is_some());
+        let is_measured = !tables[SurfaceKind::Flat as usize].is_empty();
+        let needed = !is_measured && !file.trial.iter().any(|trial| trial.get_ref().traces.is_some());
         let conditions = reader.table(table, needed)?;
         for kind in SurfaceKind::ALL {
             if !tables[kind as usize].is_empty() && conditions.iter().any(|(_, condition)| condition.surface == kind) {

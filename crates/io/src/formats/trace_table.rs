@@ -181,7 +181,9 @@ impl<'d> TraceReader<'d> {
         let reciprocating = file.reciprocating.unwrap_or(false);
         let turns = |condition: &TraceConditionFile| condition.reciprocating == Some(true);
         let of_trials = calibration.trial.iter().filter_map(|trial| trial.get_ref().traces.as_ref());
-        let some_turn = reciprocating || file.condition.iter().chain(of_trials).flat_map(Spanned::get_ref).any(turns);
+        let mut all = file.condition.iter().chain(of_trials).flat_map(Spanned::get_ref).peekable();
+        // Options may wait for the traces that they are for.
+        let some_turn = reciprocating || all.peek().is_none() || all.any(turns);
         if let Some(share) = file.stroke_share.as_ref().filter(|_| !some_turn) {
             return Err(needs_reciprocating(document, share));
         }
@@ -202,8 +204,8 @@ impl<'d> TraceReader<'d> {
         })
     }
 
-    /// Reads the conditions of the table `[traces]` and checks that files exist. If `needed`, because no trial has its
-    /// own traces, a table without conditions is refused.
+    /// Reads the conditions of the table `[traces]` and checks that files exist. If `needed`, because nothing else has the
+    /// flat samples or traces for its options, a table without conditions is refused.
     ///
     /// # Errors
     /// [`Diagnostic`] for any refused input.

@@ -177,3 +177,23 @@ fn a_repeat_beyond_all_others_is_refused_at_its_own_condition() {
     assert!(refused.contains("in a.csv, step 5, of 0.23") && refused.contains("`exclude`"), "{refused}");
     assert_eq!(read(&export, "", &conditions[..4]).unwrap().len(), 2);
 }
+
+/// A form that takes the last trace off leaves the options of `[traces]`, for the traces that come next.
+#[test]
+fn options_of_traces_stand_alone_beside_a_table_of_flat_samples() {
+    let read = |tables: &str| {
+        let text = format!(
+            "name = \"a\"\nsource = \"test\"\n[material]\nyoungs_modulus_gpa = 2.5\ndensity_g_cm3 = 1.42\n[specimen]\nradius_mm = 1.0\n\
+             [surface]\npersson_rms_slope = 0.1\n{tables}"
+        );
+        let rows = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n1,10,50,0.25,0.01\n5,10,50,0.24,0.01\n10,10,50,0.23,0.01\n";
+        let source = in_memory(&[("c.toml", text.as_bytes()), ("flat.csv", rows.as_bytes())]);
+        Calibration::read(&source, Path::new("c.toml")).map(|read| read.traces.len()).map_err(|error| error.to_string())
+    };
+    let measured = "[measurements]\nflat = \"flat.csv\"\n";
+    for options in ["window_s = [1, 9]", "stroke_share = 0.5", "zero_s = [0, 1]", "columns = { torque = \"Mz\" }"] {
+        assert_eq!(read(&format!("{measured}[traces]\n{options}\n")), Ok(0), "{options}");
+    }
+    let says = "traces.condition: is missing; expected at least one [[traces.condition]]";
+    assert!(read("[traces]\nwindow_s = [1, 9]\n").unwrap_err().contains(says));
+}
