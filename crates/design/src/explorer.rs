@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::statistics::{Axis, ResponseSurface, extremes, median};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
-use slipgrid_laser::export::{Layout, laser_time_s};
+use slipgrid_laser::export::{Laser, Layout, exposure_time_s, one_exposure};
 use slipgrid_laser::specimen::Laid;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Dimension, Load, Simulation};
@@ -57,8 +57,9 @@ pub struct Explorer {
     /// fractions between `shares`.
     pub log_odds: ResponseSurface,
     /// Six interpolated values: logarithm of the maximum local pressure in MPa, minimum height of a cavity's ceiling
-    /// under load in micrometres, minimum ratio of local to nominal pressure, logarithm of the laser time in seconds
-    /// (0 if unknown) over the share of the face that is cavity, this share, and the cavity fraction as in `shares`.
+    /// under load in micrometres, minimum ratio of local to nominal pressure, logarithm of the time of one exposure over
+    /// the area of the cavities and the time of [`one_exposure`] (0 if unknown), share of the face that is cavity, and
+    /// the cavity fraction as in `shares`.
     pub beside: ResponseSurface,
     /// Range of the cavity fractions of the face over that of a period, of the nodes and of random textures; fractions
     /// beyond it count as its ends.
@@ -150,7 +151,7 @@ impl Explored {
             peak_pressure_mpa: beside[0].exp(),
             clearance_um: beside[1],
             areal_density: layout.areal_density(),
-            laser_s: laser_time_s(&layout, &self.task.laser),
+            laser_s: time_under(&self.task.laser, &layout, beside[3]),
         })
     }
 
@@ -158,6 +159,14 @@ impl Explored {
     pub fn doubts(&self) -> Vec<String> {
         self.beyond_measured.clone().into_iter().chain(material_doubts(&self.material.material.provenance)).collect()
     }
+}
+
+/// Time under the `laser` of whole exposures of all cavities of `layout`, in seconds. `log` is the logarithm of the time
+/// of one exposure over the area of the cavities and the time of [`one_exposure`].
+fn time_under(laser: &Laser, layout: &Layout, log: f64) -> Option<f64> {
+    let (depth_um, time_s_m2) = one_exposure(layout.pattern(), laser)?;
+    let exposures = (LENGTH_UM.from_si(layout.pattern().depth_m()) / depth_um).round().max(1.0);
+    Some(exposures * time_s_m2? * layout.cavity_area_m2() * log.exp())
 }
 
 /// Computes predictions for all designs within the bounds of `task`, by interpolation of the model.
@@ -250,22 +259,23 @@ impl Explorer {
         let predicted = |lengths_um: &[f64; 3], share: f64| {
             let pattern = pattern(lengths_um).filter(|_| !search.stage.cancelled())?;
             let laid = Laid::of_share(share, &pattern, dimension);
-            search.roughly_with((&pattern, &laid), &off, &about.texture.covariance, 1.0)
+            search.roughly_unlimited((&pattern, &laid), &off, &about.texture.covariance)
         };
         // Medians and 95 % intervals of samples in the quantity of the target.
         let quantiles_of = |found: &Prediction| -> Vec<f64> {
             let at = |load: usize, p: f64| search.asked.bands[load].flat * found.quantile(load, p);
             [0.5, 0.025, 0.975].into_iter().flat_map(|p| (0..loads).map(move |load| at(load, p))).collect()
         };
-        // ln of the laser time over the density; a cavity narrower than the spot has no line, and the time of one that fits.
+        // Smooth, unlike the time: depths are whole exposures, and widths take whole lines. A cavity narrower than the spot
+        // has no line, and the number of one that fits.
         let spot_um = task.laser.spot_um.unwrap_or(0.0);
-        let log_time_s = |layout: &Layout, [width_um, spacing_um, depth_um]: [f64; 3]| {
-            let fitting = || laid(&[width_um.max(spot_um), spacing_um, depth_um]);
+        let log_time = |layout: &Layout, [width_um, spacing_um, depth_um]: [f64; 3]| {
             let log = |layout: &Layout| {
-                laser_time_s(layout, &task.laser).map(|time_s| (time_s / layout.areal_density()).ln())
+                let (_, time_s_m2) = one_exposure(layout.pattern(), &task.laser)?;
+                let log = (exposure_time_s(layout, &task.laser)? / (time_s_m2? * layout.cavity_area_m2())).ln();
+                log.is_finite().then_some(log)
             };
-            let known = |log: &f64| log.is_finite();
-            log(layout).filter(known).or_else(|| log(&fitting()?.1).filter(known)).unwrap_or(0.0)
+            log(layout).or_else(|| log(&laid(&[width_um.max(spot_um), spacing_um, depth_um])?.1)).unwrap_or(0.0)
         };
         let beside_of = |(share, layout): &(f64, Layout), run: Option<&Simulation>| {
             let (pattern, density) = (layout.pattern(), layout.areal_density());
@@ -275,7 +285,7 @@ impl Explorer {
                 PRESSURE_MPA.from_si(peak_pa).ln(),
                 answer.clearance_um.unwrap_or_else(|| LENGTH_UM.from_si(pattern.depth_m())),
                 answer.least_pressure,
-                log_time_s(layout, pattern.lengths_m().map(|m| LENGTH_UM.from_si(m))),
+                log_time(layout, pattern.lengths_m().map(|m| LENGTH_UM.from_si(m))),
                 density,
                 *share,
             ])

@@ -133,13 +133,18 @@ impl Search<'_> {
 
     /// Like [`Self::interpolated`], laid out as in `laid`, with `peak` times the peak pressure of the cell.
     fn interpolated_with(&self, pattern: &Pattern, laid: &Laid, peak: f64) -> Option<CutTexture> {
+        let (texture, answer) = self.unlimited(pattern, laid)?;
+        let answer = Answer { peak_pressure_mpa: peak * answer.peak_pressure_mpa, ..answer };
+        self.limited(texture, answer).ok()
+    }
+
+    /// Interpolates `pattern` in the table, laid out as in `laid`, and what the limits are compared with.
+    fn unlimited(&self, pattern: &Pattern, laid: &Laid) -> Option<(CutTexture, Answer)> {
         let (modelled, answer) = self.table.at(pattern, laid)?;
         let shifts = self.table.dimension_shifts(pattern, laid, &self.task.tolerances.unwrap_or_default())?;
         let texture = CutTexture::interpolated(*pattern, modelled, shifts);
         let by_face = self.table.by_face(pattern, &texture.ratio);
-        let texture = texture.moved(&by_face);
-        let answer = Answer { peak_pressure_mpa: peak * answer.peak_pressure_mpa, ..answer };
-        self.limited(texture, answer).ok()
+        Some((texture.moved(&by_face), answer))
     }
 
     /// Interpolates `pattern` in the table, corrected by the known errors of the table at solved textures.
@@ -189,9 +194,22 @@ impl Search<'_> {
         covariance: &[f64],
         peak: f64,
     ) -> Option<Prediction> {
-        let texture = self.interpolated_with(pattern, laid, peak)?.moved(off);
-        let texture = CutTexture { covariance: covariance.to_vec(), ..texture };
-        Some(Prediction::new(texture, &self.of_lattices, self.asked))
+        Some(self.on_lattice(self.interpolated_with(pattern, laid, peak)?, off, covariance))
+    }
+
+    /// Like [`Self::roughly_with`], without a comparison with the limits.
+    pub fn roughly_unlimited(
+        &self,
+        (pattern, laid): (&Pattern, &Laid),
+        off: &[f64],
+        covariance: &[f64],
+    ) -> Option<Prediction> {
+        Some(self.on_lattice(self.unlimited(pattern, laid)?.0, off, covariance))
+    }
+
+    fn on_lattice(&self, texture: CutTexture, off: &[f64], covariance: &[f64]) -> Prediction {
+        let texture = CutTexture { covariance: covariance.to_vec(), ..texture.moved(off) };
+        Prediction::new(texture, &self.of_lattices, self.asked)
     }
 
     /// Error of the table in ln R at each load for the texture of `found`; empty if the table has no value.

@@ -59,3 +59,25 @@ fn a_page_begins_at_a_texture_with_an_answer() {
     let at = |pattern: &Pattern| found.predict(pattern.lengths_m().map(|m| 1e6 * m));
     assert!(at(&best).is_none() && at(&found.pattern).is_some(), "{best:?} {:?}", found.pattern);
 }
+
+/// Whole passes or bursts, and the lines or spots that a width takes, are counted; what is interpolated is smooth.
+#[test]
+fn sliders_have_the_time_under_the_laser_of_every_texture() {
+    let spots =
+        Laser { spot_um: Some(23.0), repetition_hz: Some(1e3), depth_per_burst_um: Some(2.6), ..Laser::default() };
+    let lines = Laser { speed_mm_s: Some(9.0), hatch_um: Some(15.0), ..spots };
+    let mut normals = Normals::new(11);
+    for laser in [spots, lines] {
+        let mut task = task(Planform::Groove);
+        task.laser = laser;
+        let found = explore_bounds(&task, &*KNOWN).unwrap();
+        let mut off = Vec::new();
+        while off.len() < 60 {
+            let pattern = random(&task, &mut normals);
+            let Some(read) = found.predict(pattern.lengths_m().map(|m| 1e6 * m)) else { continue };
+            off.push((read.laser_s.unwrap() / task.laser_time_s(&pattern).unwrap()).ln().abs());
+        }
+        let worst = off.iter().copied().fold(0.0, f64::max);
+        assert!(worst < 0.005, "{laser:?}: {worst}");
+    }
+}

@@ -113,7 +113,7 @@ pub use stl::{CHORDS, check as check_stl, stl};
 pub(crate) use stream::{flush_full, flush_rest};
 pub use svg::{is_xml_letter, svg, svg_of_sectors};
 pub(crate) use words::{ANGLE_DECIMALS, cavities, degrees, groove_direction, lattice, sliding_direction, steps};
-pub use work::{WorkSheet, laser_time_s};
+pub use work::{WorkSheet, exposure_time_s, laser_time_s, one_exposure};
 
 /// Title block of drawings.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -290,6 +290,11 @@ impl CavityHatch {
         (of.middle_m > 0.0).then_some(of)
     }
 
+    /// Length of the lines over the area of the cavity, in 1/m.
+    pub(crate) fn length_over_area(&self) -> f64 {
+        self.lines.iter().map(|[_, from_m, to_m]| to_m - from_m).sum::<f64>() / self.cavity.area_m2()
+    }
+
     fn section_width_m(&self) -> f64 {
         self.edges_m[1] - self.edges_m[0]
     }

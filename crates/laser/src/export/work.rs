@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use slipgrid_model::pattern::Planform;
+use slipgrid_model::pattern::{Pattern, Planform};
 
 use crate::export::removal::{CavityHatch, LayoutHatch};
 use crate::export::{
@@ -136,6 +136,35 @@ pub fn laser_time_s(layout: &Layout, laser: &Laser) -> Option<f64> {
     time_s(layout, laser, hatched(layout, laser).as_ref())
 }
 
+/// Time of one exposure of all cavities of `layout`, in seconds: one pass over their lines, or one burst on each of their
+/// spots or of a mask. `None` if laser parameters are missing.
+pub fn exposure_time_s(layout: &Layout, laser: &Laser) -> Option<f64> {
+    exposure_s(layout, laser, hatched(layout, laser).as_ref())
+}
+
+/// Depth of one exposure of cavities of `pattern`, in um, and its time over the area of cavities far from the border of a
+/// specimen, in s/m^2, `None` if unknown. Both jump with the width, where one more line or spot fits; the time on a
+/// specimen over this time is smooth in width and spacing. `None` without a depth, and for cavities narrower than the
+/// spot. The number of grooves that a mask exposes jumps on a specimen, too.
+pub fn one_exposure(pattern: &Pattern, laser: &Laser) -> Option<(f64, Option<f64>)> {
+    if laser.has_passes() {
+        let cavity = CavityHatch::of_pattern(pattern, laser)?;
+        // t / A = L / (v A)
+        let time_s_m2 = laser.speed_mm_s.map(|speed_mm_s| cavity.length_over_area() * 1e3 / speed_mm_s);
+        return Some((cavity.per_pass_um(laser)?, time_s_m2));
+    }
+    let spots = |length_m: f64| {
+        let along = |spot_um: f64| spots_along(length_m, spot_um) as f64;
+        if laser.is_mask() { Some(1.0) } else { laser.spot_um.map(along) }
+    };
+    // A metre of a groove has so many spots that their number hardly jumps.
+    let per_area =
+        [pattern.width_m(), pattern.length_m().unwrap_or(1.0)].map(|length_m| Some(spots(length_m)? / length_m));
+    let each_s = laser.repetition_hz.map(|repetition_hz| 1.0 / repetition_hz);
+    let time_s_m2 = per_area.into_iter().chain([each_s]).product();
+    Some((laser.depth_per_burst_um?, time_s_m2))
+}
+
 /// The hatch of all cavities of `layout`; `None` for a mask, which exposes whole cavities, and without a spot diameter.
 fn hatched(layout: &Layout, laser: &Laser) -> Option<LayoutHatch> {
     let marking = Marking::new(laser).ok().filter(|_| !laser.is_mask())?;
@@ -158,16 +187,21 @@ fn marked_length_mm(hatch: &LayoutHatch) -> f64 {
 
 /// Marking time, in seconds, by passes over the lines of `hatch`, or else by bursts; `None` if parameters are missing.
 fn time_s(layout: &Layout, laser: &Laser, hatch: Option<&LayoutHatch>) -> Option<f64> {
-    let passes = hatch.and_then(|hatch| Some((hatch.passes(layout, laser)?, marked_length_mm(hatch))));
-    let time_s = if let Some(((passes, length_mm), speed_mm_s)) = passes.zip(laser.speed_mm_s) {
-        // t = n_passes L / v
-        f64::from(passes) * length_mm / speed_mm_s
-    } else {
-        // Places that are exposed one by one: whole cavities for a mask, otherwise spots. t = N n_bursts / f
-        let exposed = if laser.is_mask() { layout.cavities() as u64 } else { spots(layout, laser)?.1 };
-        exposed as f64 * f64::from(laser.bursts(layout.pattern().depth_m())?) / laser.repetition_hz?
-    };
-    Some(six_digits(time_s))
+    let passes = hatch.and_then(|hatch| hatch.passes(layout, laser));
+    let exposures = passes.or_else(|| laser.bursts(layout.pattern().depth_m()))?;
+    Some(six_digits(f64::from(exposures) * exposure_s(layout, laser, hatch)?))
+}
+
+/// Time of one pass over the lines of `hatch`, or else of one burst everywhere, in seconds; `None` if parameters are
+/// missing.
+fn exposure_s(layout: &Layout, laser: &Laser, hatch: Option<&LayoutHatch>) -> Option<f64> {
+    if laser.has_passes() {
+        // t = L / v
+        return Some(marked_length_mm(hatch?) / laser.speed_mm_s?);
+    }
+    // Places that are exposed one by one: whole cavities for a mask, otherwise spots. t = N / f
+    let exposed = if laser.is_mask() { layout.cavities() as u64 } else { spots(layout, laser)?.1 };
+    Some(exposed as f64 / laser.repetition_hz?)
 }
 
 impl WorkSheet {
@@ -273,7 +307,6 @@ pub(crate) fn spots_along(length_m: f64, spot_um: f64) -> u64 {
 mod tests {
     use super::*;
     use crate::export::{Outline, laser_warnings};
-    use slipgrid_model::pattern::Pattern;
 
     #[test]
     fn bursts_make_the_depth_of_the_design_and_exposures_of_a_point_are_told() {
@@ -299,6 +332,38 @@ mod tests {
             Laser { depth_per_burst_um: None, ..laser },
         ] {
             assert_eq!(sheet(46.2, &other).exposures_of_a_point, None, "{other:?}");
+        }
+    }
+
+    #[test]
+    fn exposures_far_from_the_border_jump_as_those_of_a_specimen_do() {
+        let spots =
+            Laser { spot_um: Some(23.0), repetition_hz: Some(1e3), depth_per_burst_um: Some(0.3), ..Laser::default() };
+        let lines = Laser { speed_mm_s: Some(9.0), hatch_um: Some(15.0), ..spots };
+        let mask = Laser { exposure: Some(Exposure::Mask), ..spots };
+        let all = [Planform::Square, Planform::Disc, Planform::Groove, Planform::Crosshatch];
+        for (laser, planforms, jumps) in [(spots, &all[..], true), (lines, &all, true), (mask, &all[..2], false)] {
+            for &planform in planforms {
+                let (mut before, mut most, mut most_of_time) = (None, 0.0_f64, 0.0_f64);
+                for step in 0..300 {
+                    let width_m = 40e-6 + 0.37e-6 * f64::from(step);
+                    let pattern = Pattern::new(planform, width_m, 150e-6, 5e-6).unwrap();
+                    let layout = Layout::new(pattern, Outline::Disc { diameter_m: 6e-3 }).unwrap();
+                    let (depth_um, time_s_m2) = one_exposure(&pattern, &laser).unwrap();
+                    assert_eq!(laser.depth_step_um(&pattern), Some(depth_um));
+                    let each_s = exposure_time_s(&layout, &laser).unwrap();
+                    let exposures = (5.0 / depth_um).round();
+                    assert!((laser_time_s(&layout, &laser).unwrap() / (exposures * each_s) - 1.0).abs() < 1e-5);
+                    let time = (each_s / layout.cavity_area_m2()).ln();
+                    let smooth = time - time_s_m2.unwrap().ln();
+                    if let Some((time_before, smooth_before)) = before.replace((time, smooth)) {
+                        let (of_time, of_smooth): (f64, f64) = (time - time_before, smooth - smooth_before);
+                        (most_of_time, most) = (most_of_time.max(of_time.abs()), most.max(of_smooth.abs()));
+                    }
+                }
+                assert!(most < 0.01, "{planform:?} {laser:?}: {most}");
+                assert_eq!(most_of_time > 0.06, jumps, "{planform:?} {laser:?}: {most_of_time}");
+            }
         }
     }
 }

@@ -58,7 +58,7 @@
   const axes = data.axes, loads = data.pressure_mpa.length;
   // Medians at every load of every condition; the ends of 95 % of samples at the loads of the first; ln(p / (1 - p)) of the chance p, each for some
   // shares of the face over the share of a period; ln of the largest pressure, least height of a ceiling, least local over nominal pressure, ln of the
-  // seconds under the laser over the share of the face; where cavities are not counted, that share, too, and its quotient with that of a period.
+  // seconds of an exposure over those of `once`; where cavities are not counted, the share of the face, too, and its quotient with that of a period.
   const medians = surface(data.medians, axes), lower = surface(data.lower, axes), upper = surface(data.upper, axes);
   const logOdds = surface(data.log_odds, axes), beside = surface(data.beside, axes);
   const all_loads = data.medians.length / data.share_nodes, BESIDE = data.beside.length;
@@ -119,12 +119,20 @@
   const chanceOf = odds => 1 / (1 + Math.exp(-odds));
 
   const round = (value, step) => Math.round(value / step) * step;
-  const bursts = depth => data.burst_um ? Math.max(1, Math.round(depth / data.burst_um)) : null;
+  // Depth of one exposure in µm, and its seconds on a face that is all cavity, at the nearest of evenly spaced widths.
+  const packed = data.exposures ? data.exposures.by_width : [], byWidth = packed.length ? unpack(packed) : [], widths = byWidth.length / packed.length;
+  const once = width => {
+    const { from, to } = axes[0], start = widths > 1 ? packed.length * Math.round((widths - 1) * Math.min(Math.max((width - from) / (to - from), 0), 1)) : 0;
+    return [byWidth[start], packed.length > 1 ? byWidth[start + 1] : NaN];
+  };
   // Writes the quantities beside the expected values, decoded from `values` at `from`, into `own`.
   const readBeside = (values, from, own) => {
     own.peak = Math.exp(values[from]); own.height = values[from + 1]; own.least = values[from + 2];
     [own.face, own.share] = face ? laid(own.at) : [values[from + 4], values[from + 5]];
-    own.seconds = Math.exp(values[from + 3]) * own.face;
+    const [deep, seconds] = once(own.at[0]);
+    own.exposures = Math.max(1, Math.round(own.at[2] / deep));
+    own.depth = own.exposures * deep;
+    own.seconds = own.exposures * Math.exp(values[from + 3]) * seconds * own.face;
     return own;
   };
   const describe = at => {
@@ -132,7 +140,7 @@
     const values = of(medians, all_loads, medianNodes);
     return {
       ...own, values, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), own), chance: chanceOf(of(logOdds, 1, oddsNodes)[0]),
-      lower: of(lower, loads, medianNodes), upper: of(upper, loads, medianNodes), isOn: values.every(isWithin), bursts: bursts(at[2]),
+      lower: of(lower, loads, medianNodes), upper: of(upper, loads, medianNodes), isOn: values.every(isWithin),
     };
   };
   const LIMITED = { peak: own => own.peak, land: own => own.at[1], spot: own => own.at[0], density: own => own.face, bearing: own => 1 - own.face, laser: own => own.seconds, clearance: own => own.height, least: own => own.least };
@@ -366,8 +374,8 @@
     value("second", () => fixed(between(other(shown.values), pressure), 3));
     value("chance", () => chanceInWords(shown.chance));
     value("peak", () => fixed(shown.peak, 1));
-    say("density", fixed(100 * shown.face, 1));
-    say("bursts", shown.bursts === null ? "-" : `${shown.bursts} (${fixed(shown.bursts * data.burst_um, 1)} µm)`);
+    say("density", fixed(+(100 * shown.face).toPrecision(12), 1));
+    say("exposures", `${shown.exposures} (${fixed(shown.depth, 1)} µm)`);
     say("laser-time", duration(shown.seconds));
     const words = isKnown ? limits.filter(limit => isBroken(limit, shown)).map(limit => limit.words) : [];
     const aimed = shown.gap ? [shown.gap.replace(/^t/, "T")] : hasTarget ? [shown.isOn ? "Expected on target" : "Not expected on target"] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];

@@ -16,7 +16,7 @@ use slipgrid_design::{
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::Load;
 
-use self::surfaces::{AxisData, LENGTHS, Packed, axes_data, face_data};
+use self::surfaces::{AxisData, Exposures, LENGTHS, Packed, axes_data, face_data};
 use super::page::{Page, number};
 use super::points::{Point, in_words};
 use crate::Outputs;
@@ -52,9 +52,8 @@ struct Data {
     /// Indices of the nodes of the surfaces at which the model gives no result.
     holes: Vec<usize>,
     limits: Vec<Value>,
-    burst_um: Option<f64>,
-    /// Whether the laser time is known.
-    has_laser_time: bool,
+    /// Depth and time of one exposure; null if unknown.
+    exposures: Option<Exposures>,
     /// Range of values that are believed; ends of intervals outside are not printed as numbers.
     believed: [f64; 2],
     design: [f64; 3],
@@ -154,9 +153,8 @@ impl Subject<'_> {
             face,
             holes: explorer.holes.clone(),
             limits: self.limits(),
-            burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
+            exposures: Exposures::new(task),
             believed: BELIEVED,
-            has_laser_time: task.laser_time_s(self.pattern).is_some(),
             design,
             points: self.points(),
             toml: self.toml.clone(),
@@ -330,8 +328,10 @@ fn controls(data: &Data) -> Markup {
                     @if data.has_target() { (reading("chance on target, all pressures", "chance", "")) }
                     (reading(first, "first", "")) (reading("95 % of samples", "interval", "")) (reading(second, "second", ""))
                     (reading("largest pressure, all loads", "peak", "MPa")) (reading("cavities' share of the face", "density", "%"))
-                    @if data.burst_um.is_some() { (reading("bursts (depth)", "bursts", "")) }
-                    @if data.has_laser_time { (reading("laser time", "laser-time", "")) }
+                    @if let Some(exposures) = &data.exposures {
+                        (reading(&format!("{} (depth)", exposures.name), "exposures", ""))
+                        @if exposures.have_time() { (reading("laser time", "laser-time", "")) }
+                    }
                 }
                 p data-verdict aria-live="polite" {}
                 p { button type="button" data-reset { "Back to the start" } " " button type="button" data-copy { "Copy as a scene file" } }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use slipgrid_base::statistics::{ResponseSurface, extremes};
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::DesignTask;
-use slipgrid_laser::export::Outline;
+use slipgrid_laser::export::{Outline, one_exposure};
 use slipgrid_model::pattern::{Contour, Pattern, Planform};
 use slipgrid_model::springblock::Dimension;
 
@@ -23,13 +23,59 @@ impl Packed {
     /// Encodes the outputs of `surface` with the indices `places`.
     pub fn new(surface: &ResponseSurface, places: impl IntoIterator<Item = usize>) -> Self {
         let output = |place: usize| {
-            let all = surface.coefficients().iter().skip(place).step_by(surface.outputs());
-            let [least, most] = extremes(all.clone().copied());
+            surface.coefficients().iter().skip(place).step_by(surface.outputs()).copied().collect::<Vec<f64>>()
+        };
+        Self::of(places.into_iter().map(output))
+    }
+
+    fn of(outputs: impl Iterator<Item = Vec<f64>>) -> Self {
+        let output = |all: Vec<f64>| {
+            let [least, most] = extremes(all.iter().copied());
             let step = (most - least).max(f64::MIN_POSITIVE) / f64::from(u16::MAX);
-            let bytes = all.flat_map(|value| (((value - least) / step).round() as u16).to_le_bytes());
+            let bytes = all.iter().flat_map(|value| (((value - least) / step).round() as u16).to_le_bytes());
             (least, step, STANDARD.encode(bytes.collect::<Vec<u8>>()))
         };
-        Self(places.into_iter().map(output).collect())
+        Self(outputs.map(output).collect())
+    }
+}
+
+/// Distance of the widths at which exposures are tabulated, in micrometres: the page rounds lengths to it.
+const WIDTH_STEP_UM: f64 = 0.1;
+/// Maximum number of these widths.
+const MAX_WIDTHS: f64 = 4000.0;
+
+/// One exposure by the width of cavities: it jumps where one more line or spot fits, so that it is not interpolated.
+#[derive(Serialize)]
+pub struct Exposures {
+    /// `passes` or `bursts`.
+    pub name: &'static str,
+    /// Depth of one exposure in micrometres, and its time for a face that is all cavity in seconds, if known; at evenly
+    /// spaced widths within the bounds.
+    by_width: Packed,
+}
+
+impl Exposures {
+    /// Exposures of the cavities of `task`; `None` if the laser's depth is unknown.
+    pub fn new(task: &DesignTask) -> Option<Self> {
+        let [[from_m, to_m], [_, spacing_m], [_, depth_m]] = task.space.lengths_m();
+        let last = (LENGTH_UM.from_si(to_m - from_m) / WIDTH_STEP_UM).ceil().min(MAX_WIDTHS);
+        // A cavity narrower than the spot has no line, and the exposures of one that fits.
+        let spot_m = task.laser.spot_um.map_or(0.0, |spot_um| LENGTH_UM.to_si(spot_um));
+        let at = |place: u32| {
+            let width_m = from_m + (to_m - from_m) * f64::from(place) / last.max(1.0);
+            one_exposure(&task.space.pattern([width_m.max(spot_m), spacing_m, depth_m]).ok()?, &task.laser)
+        };
+        let all: Vec<(f64, Option<f64>)> = (0..=last as u32).map(at).collect::<Option<_>>()?;
+        let area_m2 = task.specimen.outline.area_m2();
+        let seconds: Option<Vec<f64>> = all.iter().map(|(_, time_s_m2)| Some(time_s_m2.as_ref()? * area_m2)).collect();
+        let depths = all.iter().map(|(depth_um, _)| *depth_um).collect();
+        let name = if task.laser.has_passes() { "passes" } else { "bursts" };
+        Some(Self { name, by_width: Packed::of(std::iter::once(depths).chain(seconds)) })
+    }
+
+    /// Whether the time is known.
+    pub fn have_time(&self) -> bool {
+        self.by_width.0.len() > 1
     }
 }
 
