@@ -7,7 +7,7 @@ use slipgrid_infer::discrepancy::{Features, Trial};
 use crate::band::Asked;
 use crate::prediction::{Prediction, percent};
 use crate::results::length_in_words;
-use crate::search::Search;
+use crate::search::{ALIKE, Search};
 
 /// Minimum chance at which a series is advised.
 const SERIES: f64 = 0.9;
@@ -38,8 +38,8 @@ pub enum Advice {
         /// Whether the best texture, as it would be cut, keeps all limits.
         keeps_limits: bool,
     },
-    /// Measure two trials again: they are samples of one texture that contradict each other, and with both no texture
-    /// has a median within the accepted band.
+    /// Measure two trials again: they are samples of one texture that contradict each other, with both no texture has a
+    /// median within the accepted band, and without one of them the chance is greater.
     MeasureAgain {
         /// Names of the two trials.
         trials: [String; 2],
@@ -79,7 +79,8 @@ impl Advice {
         // Before any trial the model error is unknown, so only a trial can be advised.
         let has_trials = !asked.learned.trials().is_empty();
         if !is_within_reach && asked.has_demands() && has_trials {
-            let contradicting = asked.learned.contradictions().into_iter().next();
+            let contradicting =
+                asked.learned.contradictions().into_iter().find(|pair| is_in_doubt(search, pair.trials));
             let name = |trial: usize| asked.learned.trials()[trial].name.clone();
             return contradicting.map_or(Self::CannotBeMet { keeps_limits: true }, |pair| Self::MeasureAgain {
                 trials: pair.trials.map(name),
@@ -132,6 +133,22 @@ impl Advice {
             Self::DoNotTexture => "do not texture: the flat surface is what is asked for".to_owned(),
         }
     }
+}
+
+/// Whether the greatest chance by the table is greater without one of two `trials`, so that the target may be met if this
+/// one was measured wrong.
+fn is_in_doubt(search: &Search<'_>, trials: [usize; 2]) -> bool {
+    let chance = |search: &Search<'_>| search.greatest(&|_| true).0.map_or(0.0, |best| best.chance());
+    let without = |trial: usize| {
+        let mut prepared = search.prepared.clone();
+        let learned = prepared.uncertainty.learned.as_mut()?;
+        let mut kept = learned.trials().to_vec();
+        kept.remove(trial);
+        *learned = learned.with_trials(kept).ok()?;
+        Some(chance(&search.asking(&Asked::new(&prepared).ok()?)))
+    };
+    let both = chance(search);
+    trials.into_iter().filter_map(without).any(|chance| chance > both + ALIKE)
 }
 
 /// Name of `trial` in quotes, with width, spacing and depth in micrometres and the areal density.

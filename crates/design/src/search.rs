@@ -99,6 +99,20 @@ pub struct Found {
     pub is_within_reach: bool,
 }
 
+impl<'a> Search<'a> {
+    /// Creates the search by the same table for other trials, as of `asked`.
+    pub fn asking(&self, asked: &'a Asked) -> Self {
+        let predictor = asked.learned.of_friction_at(&asked.loads, &asked.flat_shares);
+        Self {
+            asked,
+            of_lattices: predictor.likeliest(SHARE_OF_LATTICES),
+            of_ranking: predictor.likeliest(SHARE_OF_RANKING),
+            predictor,
+            ..self.clone()
+        }
+    }
+}
+
 impl Search<'_> {
     /// Compares `texture` with the limits by the model's `answer`.
     ///
