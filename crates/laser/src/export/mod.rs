@@ -99,7 +99,8 @@ pub use layout::{Layout, MAX_CAVITIES};
 pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
 pub(crate) use number::{
-    MICROMETRE_DECIMALS, decimal, micrometres, millimetres, push_decimal, round_decimals, six_digits,
+    MICROMETRE_DECIMALS, decimal, depth, depth_words, micrometres, millimetres, push_decimal, round_decimals,
+    six_digits,
 };
 pub use outline::Outline;
 pub(crate) use outline::left_of;

@@ -41,6 +41,22 @@ pub(crate) fn six_digits(value: f64) -> f64 {
     significant(value, 6)
 }
 
+/// Length in micrometres below which a nanometre leaves fewer than three digits.
+const FINE_UM: f64 = 0.1;
+
+/// Rounds a depth in micrometres to one nanometre, and one of a few nanometres or less, as of one burst, to six
+/// significant digits.
+pub(crate) fn depth(depth_um: f64) -> f64 {
+    if depth_um.abs() < FINE_UM { six_digits(depth_um) } else { round_decimals(depth_um, MICROMETRE_DECIMALS) }
+}
+
+/// Formats a depth in micrometres with at most `decimals` decimals, or with three significant digits where these leave
+/// fewer than two.
+pub(crate) fn depth_words(depth_um: f64, decimals: usize) -> String {
+    let is_fine = depth_um.abs() < FINE_UM * 10_f64.powi(2 - decimals as i32);
+    if is_fine { significant(depth_um, 3).to_string() } else { decimal(depth_um, decimals) }
+}
+
 /// Converts metres to micrometres, rounded to one nanometre.
 pub(crate) fn micrometres(length_m: f64) -> f64 {
     round_decimals(length_m * 1e6, MICROMETRE_DECIMALS)
@@ -60,6 +76,20 @@ mod tests {
         assert_eq!(micrometres(130e-6 + 370e-6), 500.0);
         assert_eq!(micrometres(0.000_129_999_999_99), 130.0);
         assert_eq!(millimetres(10e-3), 10.0);
+    }
+
+    #[test]
+    fn a_depth_that_is_not_zero_is_not_written_as_zero() {
+        for (depth_um, written, one, two) in [
+            (12.345_67, 12.346, "12.3", "12.35"),
+            (0.123_456, 0.123, "0.123", "0.12"),
+            (0.04, 0.04, "0.04", "0.04"),
+            (0.000_123_456_789, 0.000_123_457, "0.000123", "0.000123"),
+            (0.0, 0.0, "0", "0"),
+        ] {
+            assert_eq!(depth(depth_um), written);
+            assert_eq!([1, 2].map(|decimals| depth_words(depth_um, decimals)), [one, two]);
+        }
     }
 
     #[test]

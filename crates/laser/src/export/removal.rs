@@ -21,8 +21,7 @@ use slipgrid_model::pattern::{Contour, Pattern};
 
 use crate::export::marking::length_m;
 use crate::export::{
-    Cavity, Laser, Layout, Line, MICROMETRE_DECIMALS, Marking, Outline, decimal, micrometres, round_decimals,
-    six_digits, unreached,
+    Cavity, Laser, Layout, Line, Marking, Outline, decimal, depth, depth_words, micrometres, six_digits, unreached,
 };
 
 /// Range of a cavity's width that counts as its middle, as fractions.
@@ -89,8 +88,8 @@ impl Removal {
             self.warnings.push(format!(
                 "the floor between lines and on them is {} to {} um deep, uneven by more than the depth's tolerance of {std_um} um: lines \
                  nearer to each other (hatch_um), at a proportionally lower depth per burst, even it out",
-                decimal(least_um, 1),
-                decimal(greatest_um, 1)
+                depth_words(least_um, 1),
+                depth_words(greatest_um, 1)
             ));
         }
         self
@@ -98,7 +97,7 @@ impl Removal {
 
     /// Describes the depth that a pass and all passes remove, in the middle of a cavity and on average.
     pub fn words(&self) -> String {
-        let um = |depth_um: f64| decimal((100.0 * depth_um).round() / 100.0, 2);
+        let um = |depth_um: f64| depth_words(depth_um, 2);
         let passes = f64::from(self.passes.max(1));
         let [middle, mean] = [um(self.depth_per_pass_um), um(self.mean_depth_um / passes)];
         let each =
@@ -234,10 +233,10 @@ impl LayoutHatch {
         }
         Some(Removal {
             passes,
-            depth_per_pass_um: round_decimals(per_pass_um, MICROMETRE_DECIMALS),
-            depth_um: round_decimals(made_um, MICROMETRE_DECIMALS),
-            floor_um: floor_um.map(|um| round_decimals(um, MICROMETRE_DECIMALS)),
-            mean_depth_um: micrometres(self.volume_m3(laser, passes)? / layout.cavity_area_m2()),
+            depth_per_pass_um: depth(per_pass_um),
+            depth_um: depth(made_um),
+            floor_um: floor_um.map(depth),
+            mean_depth_um: depth(self.volume_m3(laser, passes)? / layout.cavity_area_m2() * 1e6),
             width_um: micrometres(cavity.width_m()),
             edge_ramp_um: laser.spot_um?,
             speed_for_depth_mm_s,
@@ -401,7 +400,7 @@ impl CavityHatch {
         let share = |k: u32| 0.5 * f64::from(k) / f64::from(LISTED_BINS);
         let up_to = |k: u32| {
             let depth_um = scale * self.mean([share(k - 1), share(k)], |within_m| within_m);
-            [micrometres(self.section_width_m() * share(k)), round_decimals(depth_um, MICROMETRE_DECIMALS)]
+            [micrometres(self.section_width_m() * share(k)), depth(depth_um)]
         };
         Some((1..=LISTED_BINS).map(up_to).collect())
     }

@@ -5,9 +5,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_model::pattern::{Pattern, Planform};
 
 use crate::export::removal::{CavityHatch, LayoutHatch};
-use crate::export::{
-    Exposure, Laser, Layout, MICROMETRE_DECIMALS, Marking, Removal, micrometres, round_decimals, six_digits,
-};
+use crate::export::{Exposure, Laser, Layout, Marking, Removal, depth, micrometres, six_digits};
 
 const SPOTS_FORMULA: &str = "ceil(cavity width / spot) * ceil(cavity length / spot): spots edge to edge, the spot taken as a square of that side; \
      overlap, which a round spot needs for an even floor, adds to it";
@@ -209,14 +207,11 @@ impl WorkSheet {
         let depth_m = layout.pattern().depth_m();
         let (bursts, step_um) = (laser.bursts(depth_m), laser.depth_step_um(layout.pattern()));
         let inset_m = laser.floor_inset_m(depth_m);
-        let of_bursts_um = |value: Option<f64>| {
-            bursts
-                .zip(value)
-                .map(|(bursts, depth_um)| round_decimals(f64::from(bursts) * depth_um, MICROMETRE_DECIMALS))
-        };
+        let of_bursts_um =
+            |value: Option<f64>| bursts.zip(value).map(|(bursts, depth_um)| depth(f64::from(bursts) * depth_um));
         let mut sheet = Self {
             exposure: laser.exposure.unwrap_or_default(),
-            depth_step_um: step_um.map(|step_um| round_decimals(step_um, MICROMETRE_DECIMALS)),
+            depth_step_um: step_um.map(depth),
             depth_step_formula: step_um.map(|_| STEP_FORMULA.to_owned()),
             bursts_per_cavity: bursts,
             depth_of_bursts_um: of_bursts_um(laser.depth_per_burst_um),
