@@ -53,6 +53,7 @@ mod tests {
     use super::*;
     use crate::prediction::Expected;
     use crate::results::LoadReport;
+    use slipgrid_laser::export::{Removal, Tolerances};
     use slipgrid_model::material::Provenance;
 
     #[test]
@@ -76,6 +77,26 @@ mod tests {
                 .map(|words| doubts.iter().position(|doubt| doubt.contains(words)).unwrap())
         };
         assert_eq!(places(&report), [0, 1, 2, 3]);
+        // Passes that make another depth make every number void.
+        let removal = Removal {
+            passes: 1,
+            depth_um: 7.2,
+            speed_for_depth_mm_s: Some(144.0),
+            warnings: vec!["1 pass makes 7.2 um in the middle of a cavity, +44 % of the design's 5 um: 144 mm/s instead of 100 makes it right".into()],
+            ..Removal::default()
+        };
+        report.sample.design.depth_um = 5.0;
+        report.laser.speed_mm_s = Some(100.0);
+        report.removal = Some(removal.clone());
+        assert_eq!(report.doubts()[1], removal.warnings[0]);
+        assert_eq!((places(&report), report.doubts().len()), ([0, 2, 3, 4], 5));
+        assert!(report.brief().contains("\n! 1 pass makes 7.2 um"), "{}", report.brief());
+        let fine = Removal { depth_um: 5.2, warnings: Vec::new(), ..removal };
+        report.removal = Some(fine);
+        assert_eq!(report.wrong_depth(), None);
+        report.tolerances = Some(Tolerances { depth_um: Some(0.1), ..Tolerances::default() });
+        assert!(report.wrong_depth().unwrap().contains("5.2 um in the middle of a cavity, +4 %"));
+        report.removal = None;
         // Far outside, friction is a guess.
         report.measured_mpa = Some([0.6, 1.3]);
         assert_eq!(places(&report), [0, 2, 1, 3]);

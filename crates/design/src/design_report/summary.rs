@@ -186,17 +186,26 @@ impl DesignReport {
         before.into_iter().chain(far).chain(material_doubts(&self.material)).chain(near).chain(after).collect()
     }
 
-    /// Doubts listed before and after those about the material. Before: broken limits and runs without a valid result,
-    /// which make every number void. After: coarse blocks and bursts, which change numbers by a known amount.
+    /// Says by how much whole passes miss the depth of the texture, and which speed makes it; `None` within tolerances.
+    pub fn wrong_depth(&self) -> Option<String> {
+        let depth_std_um = self.tolerances.as_ref().and_then(|of| of.depth_um);
+        let asked = [self.sample.design.depth_um, self.laser.speed_mm_s?];
+        self.removal.as_ref()?.wrong_depth(asked, depth_std_um)
+    }
+
+    /// Doubts listed before and after those about the material. Before: broken limits, runs without a valid result, and
+    /// passes that make another depth, which make every number void. After: coarse blocks and bursts, which change numbers by a known amount.
     fn other_doubts(&self) -> [Vec<String>; 2] {
         let beyond = beyond_measured(&self.beyond_mpa());
         let loads = crate::results::warnings(&self.confirmed);
         let loads = loads.into_iter().filter(|warning| Some(warning) != beyond.as_ref());
         // Cavities that the laser makes differently from the design, by passes over lines or by bursts on spots.
         let of_laser = self.removal.iter().flat_map(|removal| &removal.warnings).chain(&self.laser_warnings);
+        let depth = self.wrong_depth();
+        let of_laser = of_laser.filter(|warning| Some(*warning) != depth.as_ref());
         let laser = of_laser.map(|warning| format!("laser: {warning}"));
         [
-            self.sample.violations.iter().cloned().chain(loads).collect(),
+            self.sample.violations.iter().cloned().chain(loads).chain(depth.clone()).collect(),
             self.unresolved().into_iter().chain(laser).collect(),
         ]
     }

@@ -78,6 +78,27 @@ impl Removal {
         LayoutHatch::new(layout, &Marking::new(laser).ok()?).removal(layout, laser)
     }
 
+    /// Says that whole passes at `speed_mm_s` depart from the depth of the design by more than 5 %, or by more than the
+    /// standard deviation of the depth that the design assumes, and which speed makes it; `None` if they do not.
+    pub fn wrong_depth(&self, [design_um, speed_mm_s]: [f64; 2], std_um: Option<f64>) -> Option<String> {
+        let share = self.depth_um / design_um - 1.0;
+        let is_far =
+            share.abs() > WARNED_DEVIATION || std_um.is_some_and(|std| (self.depth_um - design_um).abs() > std);
+        let how = self.speed_for_depth_mm_s.map_or_else(
+            || "a lower fluence makes passes finer".to_owned(),
+            |speed| format!("{} mm/s instead of {speed_mm_s} makes it right", decimal(speed, 1)),
+        );
+        let passes = if self.passes == 1 { "1 pass makes".to_owned() } else { format!("{} passes make", self.passes) };
+        (is_far && self.depth_um > 0.0).then(|| {
+            format!(
+                "{passes} {} um in the middle of a cavity, {:+.0} % of the design's {} um: {how}",
+                depth_words(self.depth_um, 1),
+                100.0 * share,
+                depth_words(design_um, 1)
+            )
+        })
+    }
+
     /// Warns of a floor that departs from the depth in the middle by more than the standard deviation of the depth that
     /// the design assumes, beyond which the design's interval of samples does not hold. No warning without tolerances.
     #[must_use]
@@ -218,20 +239,7 @@ impl LayoutHatch {
         let speed = speed_mm_s * made_um / design_um;
         let are_pulses_close = speed / speed_mm_s * pulse_um <= laser.spot_um? * (1.0 + LENGTH_TOLERANCE);
         let speed_for_depth_mm_s = are_pulses_close.then(|| six_digits(speed));
-        let mut warnings = self.shape_warnings(layout);
-        let pass_words = if passes == 1 { "1 pass makes".to_owned() } else { format!("{passes} passes make") };
-        if let Some(off) = off(made_um, design_um) {
-            let how = speed_for_depth_mm_s.map_or_else(
-                || "a lower fluence makes passes finer".to_owned(),
-                |speed| format!("{} mm/s instead of {speed_mm_s} makes it right", decimal(speed, 1)),
-            );
-            warnings.push(format!(
-                "{pass_words} {} um in the middle of a cavity, {off} of the design's {} um: {how}",
-                decimal(made_um, 1),
-                decimal(design_um, 1)
-            ));
-        }
-        Some(Removal {
+        let mut removal = Removal {
             passes,
             depth_per_pass_um: depth(per_pass_um),
             depth_um: depth(made_um),
@@ -240,8 +248,10 @@ impl LayoutHatch {
             width_um: micrometres(cavity.width_m()),
             edge_ramp_um: laser.spot_um?,
             speed_for_depth_mm_s,
-            warnings,
-        })
+            warnings: self.shape_warnings(layout),
+        };
+        removal.warnings.extend(removal.wrong_depth([design_um, speed_mm_s], None));
+        Some(removal)
     }
 }
 

@@ -53,6 +53,9 @@ pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Out
             if let Some(words) = expected_words(report) {
                 page.paragraph(&words);
             }
+            if let Some(words) = report.wrong_depth() {
+                page.paragraph(&sentence(&words));
+            }
             page.badges(&doubts);
         });
         // Where a trial meets the target, the chance is that of another texture.
