@@ -175,10 +175,13 @@ fn works(page: &mut dyn Page, folder: &Path) {
     let mut dropped: Vec<(String, String)> = TRACES.map(|name| (name.to_owned(), text(name))).into();
     dropped.push(("flat-map.asc".to_owned(), fs::read_to_string(&map).unwrap()));
     fs::remove_file(map).unwrap();
-    // Files that are no traces are not ticked, and get no force.
-    for (name, text) in
-        [("map.txt", "# Width: 2 um\n0.1\t0.2\n0.3\t0.4\n"), ("table.csv", "force_n,mu_dynamic\n40,0.2\n")]
-    {
+    // Files that are no traces are not ticked, and get no force. A text of heights is a map.
+    let heights = "0.1\t0.2\t0.3\t0.2\t0.1\t0.2\t0.3\t0.4\n".repeat(9);
+    for (name, text) in [
+        ("map.txt", "# Width: 2 um\n0.1\t0.2\n0.3\t0.4\n"),
+        ("table.csv", "force_n,mu_dynamic\n40,0.2\n"),
+        ("heights.txt", &*heights),
+    ] {
         dropped.push((name.to_owned(), text.to_owned()));
     }
     // Traces of another material have the names of these.
@@ -190,7 +193,12 @@ fn works(page: &mut dyn Page, folder: &Path) {
     enter(page, "Humidity in % of pom/traces/flat-160N-1.csv", "50");
     press(page, "Add 5 files to the material");
     says(page, "map.txt Not read as a trace: has no line that names its columns");
-    says(page, "table.csv Not read as a trace: ");
+    says(page, "table.csv Not read as a trace: is a table of friction coefficients");
+    wait(
+        page,
+        "[...document.querySelectorAll('section.card h3')].some(own => own.textContent === 'traces/heights.txt')",
+    );
+    fs::remove_file(folder.join("pom/traces/heights.txt")).unwrap();
     wait(page, "named('input', 'Force in N of pom/traces/map.txt')?.value === ''");
     // A file that nothing reads is not copied.
     drop_files(page, ".page > .drop", &[("friction.xlsx".to_owned(), "PK".to_owned())]);

@@ -163,7 +163,7 @@ async function showFile(root, path, signal) {
   const isPicture = /\.(svg|png)$/.test(path);
   if (file.kind === "page") root.append(reportFrame(path, path));
   else if (isPicture) root.append(h("img", { src: fileUrl(path), alt: `Picture of ${path}`, class: "picture" }));
-  else if (file.bytes <= MAX_TEXT_BYTES && (TEXTS.includes(file.kind) || /\.(toml|md|txt|json|jsonl|py)$/.test(path))) {
+  else if (file.bytes <= MAX_TEXT_BYTES && (TEXTS.includes(file.kind) || /\.(toml|md|txt|csv|tsv|dat|asc|json|jsonl|py)$/.test(path))) {
     return showText(root, path, signal).catch((error) => root.append(alert(error)));
   }
   root.append(h("p", {}, link(fileUrl(path, true), `Download ${path}`), ` (${size(file.bytes)})`));

@@ -98,11 +98,12 @@ function drawRepeats(root, doc, one, onFile, signal) {
 
 function drawMap(root, doc, signal) {
   const folder = parent(doc.path);
-  const maps = state.files.filter((file) => MAP_FILE.test(file.path) && file.path.startsWith(folder && `${folder}/`));
+  const isInside = ({ path }) => (folder ? path.startsWith(`${folder}/`) : !path.startsWith("out/"));
+  const maps = state.files.filter((file) => (file.kind === "map" || MAP_FILE.test(file.path)) && isInside(file));
   const surface = doc.values?.surface ?? {};
   if (maps.length === 0) {
     return root.replaceChildren(h("p", {},
-      "No altitude map in the folder. Drop one above: .sur, .sdf, .x3p, .gsf, .npy, .xyz or .asc."));
+      "No altitude map in the folder. Drop one above: .sur, .sdf, .x3p, .gsf, .npy, or a text of heights."));
   }
   const cards = maps.map(({ path }) => {
     const out = `out/${path.replace(/[^\p{L}\p{N}]+/gu, "-")}-map`;

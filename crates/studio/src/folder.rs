@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::fs;
-use std::io::{Cursor, Write};
+use std::io::{Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use slipgrid_design::results::VERSION;
 use slipgrid_io::disk::put;
-use slipgrid_io::formats::file_kind::FileKind;
+use slipgrid_io::formats::file_kind::{FileKind, TableKind};
 
 use crate::Shared;
 use crate::error::{Answer, Refused, aside};
@@ -101,12 +101,22 @@ fn extension_of(path: &Path) -> String {
 fn kind_of(path: &Path, bytes: u64) -> &'static str {
     match &extension_of(path)[..] {
         "toml" | "json" if bytes <= MAX_TEXT => fs::read_to_string(path).map_or("other", |text| kind_of_text(&text)),
+        "csv" | "txt" | "dat" | "tsv" | "asc" if is_map(path) => "map",
         "csv" | "txt" | "dat" | "tsv" | "asc" => "table",
         "sur" | "sdf" | "x3p" | "gsf" | "npy" | "xyz" => "map",
         "html" => "page",
         "dxf" | "svg" => "drawing",
         _ => "other",
     }
+}
+
+/// Whether a text begins as an altitude map does.
+fn is_map(path: &Path) -> bool {
+    let mut start = Vec::new();
+    // One byte more tells a start from a whole text.
+    let read =
+        fs::File::open(path).and_then(|file| file.take(TableKind::START_BYTES as u64 + 1).read_to_end(&mut start));
+    read.is_ok() && TableKind::of(&String::from_utf8_lossy(&start)) == Some(TableKind::AltitudeMap)
 }
 
 /// Kind of a settings file or result by its content.

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use slipgrid_surface::topography::{LengthUnit, MapFormat, ReadMap, ReadOptions, read_map};
+use slipgrid_traces::cells::{cut, separator, unquoted};
 use toml::de::{DeTable, DeValue};
 
 use crate::formats::diagnostic::Diagnostic;
@@ -143,9 +145,97 @@ fn is_table_of_numbers(text: &str) -> bool {
     lines().all(|line| !line.contains('=')) && lines().any(is_row)
 }
 
+/// Minimum number of heights in a line of a text that is recognised as an altitude map.
+const MIN_COLUMNS: usize = 8;
+
+/// Kinds of texts with rows of numbers, other than recordings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableKind {
+    /// Heights of a surface, as points or as a matrix.
+    AltitudeMap,
+    /// Friction coefficients by load.
+    Friction,
+}
+
+impl TableKind {
+    /// Number of bytes from the start of a text by which its kind is recognised.
+    pub const START_BYTES: usize = 1 << 18;
+
+    /// Kind of a text that begins with `start`, as the readers of altitude maps and of tables of friction take it;
+    /// `None` for any other text.
+    pub fn of(start: &str) -> Option<Self> {
+        let start = match start.as_bytes().get(..Self::START_BYTES) {
+            Some(bytes) => &start[..=bytes.iter().rposition(|byte| *byte == b'\n')?],
+            None => start,
+        };
+        let is_data = |line: &&str| !line.trim().is_empty() && !line.trim_start_matches([' ', '"']).starts_with('#');
+        let header = start.trim_start_matches('\u{feff}').lines().find(is_data)?;
+        let titles: Vec<&str> = cut(header, separator(header).unwrap_or(',')).into_iter().map(unquoted).collect();
+        if ["force_n", "mu_dynamic"].iter().all(|title| titles.contains(title)) {
+            return Some(Self::Friction);
+        }
+        // What a map does not state can be given as options.
+        let unit = Some(LengthUnit::Micrometre);
+        let options =
+            ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: unit, lateral_unit: unit, ..ReadOptions::default() };
+        let ReadMap { map, format, .. } = read_map(start.as_bytes(), &options).ok()?;
+        // Columns of a recording without titles are few, and as points leave most of their grid open. The points of a
+        // line lie along x, which is down the rows of a map.
+        let is_wide = format != MapFormat::Matrix || map.rows() >= MIN_COLUMNS;
+        (is_wide && 2 * map.missing() < map.heights_m().len()).then_some(Self::AltitudeMap)
+    }
+
+    /// Reason to refuse a text of this kind where a recording is expected; says where it belongs.
+    pub const fn is_no_recording(self) -> &'static str {
+        match self {
+            Self::AltitudeMap => "is an altitude map and no recording: `map` in [surface] names it",
+            Self::Friction => {
+                "is a table of friction coefficients and no recording: `flat` or `patterned` in [measurements] names it, or \
+                 `measurements` in a [[trial]]"
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Long texts are recognised by their start.
+    #[test]
+    fn maps_and_tables_of_friction_are_told_from_recordings() {
+        let height = |i: u32, j: u32| f64::from((7 * i + 13 * j) % 11) / 10.0;
+        let points = |mark: &str, side: u32| -> String {
+            let point =
+                |i: u32, j: u32| format!("{}{mark}{}{mark}{}\n", f64::from(i) / 2.0, f64::from(j) / 2.0, height(i, j));
+            (0..side).flat_map(|j| (0..side).map(move |i| (i, j))).map(|(i, j)| point(i, j)).collect()
+        };
+        let matrix = |side: u32| -> String {
+            let row = |j: u32| (0..side).map(|i| height(i, j).to_string()).collect::<Vec<_>>().join("\t") + "\n";
+            (0..side).map(row).collect()
+        };
+        let trace = |rows: u32| -> String {
+            (0..rows)
+                .map(|row| format!("{};{};10\n", f64::from(row) / 10.0, 2.0 + f64::from(row % 7) / 100.0))
+                .collect()
+        };
+        for side in [20, 400] {
+            for map in [points(" ", side), points(",", side), format!("x,y,z\n{}", points(",", side)), matrix(side)] {
+                assert_eq!(TableKind::of(&map), Some(TableKind::AltitudeMap), "{}", &map[..40]);
+            }
+        }
+        let friction =
+            "# flat samples\nforce_n;speed_mm_s;humidity_pct;mu_dynamic;mu_dynamic_std\n50;2;15;0,248;0,002\n";
+        assert_eq!(TableKind::of(friction), Some(TableKind::Friction));
+        for rows in [100, 20_000] {
+            for none in [format!("time [s];Fx [N];Fz [N]\n{}", trace(rows)), trace(rows)] {
+                assert_eq!(TableKind::of(&none), None, "{}", &none[..40]);
+            }
+        }
+        for none in ["", "a text\n", "load [N],mu\n1,0.2\n", &"0.1 0.2 0.3 0.4\n".repeat(50)] {
+            assert_eq!(TableKind::of(none), None, "{none}");
+        }
+    }
 
     #[test]
     fn kinds_are_told_by_their_tables() {

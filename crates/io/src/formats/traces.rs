@@ -14,6 +14,7 @@ use slipgrid_traces::{
 
 use super::measured::Placed;
 pub use super::trace_notes::notes;
+use crate::formats::file_kind::TableKind;
 use crate::formats::source::{Source, read_letters};
 use crate::formats::trace_departures::{
     departures, exchanged_coefficient, judge_friction, near_missing_title, near_titles, stands_still,
@@ -359,12 +360,18 @@ fn words_of_odd(odd: &OddRepeat, mu: f64, first: &str) -> String {
 /// [`Diagnostic`] that names line and column of the refused value.
 pub fn parse_export(export: &Export, text: &str, setup: &TraceSetup) -> Result<TraceFile, Diagnostic> {
     let (effective_radius_m, titles) = (setup.effective_radius_m, Some(&setup.titles));
-    parse(text, &ExportOptions { effective_radius_m, titles, step: export.step }).map_err(|refused| Diagnostic {
-        line: refused.line,
-        key: refused.column.map(Into::into),
-        suggestion: near_missing_title(text, &setup.titles).filter(|_| refused.value.is_none()).map(Into::into),
-        value: refused.value.map(Into::into),
-        ..Diagnostic::file(&export.path, refused.reason).expected(refused.expected)
+    parse(text, &ExportOptions { effective_radius_m, titles, step: export.step }).map_err(|refused| {
+        if let Some(kind) = TableKind::of(text) {
+            return Diagnostic::file(&export.path, kind.is_no_recording())
+                .expected("a recording of friction over time");
+        }
+        Diagnostic {
+            line: refused.line,
+            key: refused.column.map(Into::into),
+            suggestion: near_missing_title(text, &setup.titles).filter(|_| refused.value.is_none()).map(Into::into),
+            value: refused.value.map(Into::into),
+            ..Diagnostic::file(&export.path, refused.reason).expected(refused.expected)
+        }
     })
 }
 
