@@ -237,7 +237,15 @@ fn works(page: &mut dyn Page, folder: &Path) {
     assert!(file("seal.toml").contains("# one number, or one per pressure"), "comments are lost");
     enter(page, "Value at 0.65 MPa", "");
     says(page, "Value at 0.65 MPa: enter a number.");
+    // That stays while other values are saved, until there is a number.
+    enter(page, "Value at 2.6 MPa", "0.87");
+    until(|| file("seal.toml").contains("value = [0.945, 0.87]"));
+    enter(page, "Value at 2.6 MPa", "0.88");
+    until(|| file("seal.toml").contains("value = [0.945, 0.88]"));
+    std::thread::sleep(Duration::from_secs(1));
+    says(page, "Value at 0.65 MPa: enter a number.");
     enter(page, "Value at 0.65 MPa", "0.945");
+    wait(page, "!says('enter a number.')");
     // Another kind of target keeps the numbers; a comma of two meanings is refused.
     let target = |key: &str| {
         let text = file("seal.toml");

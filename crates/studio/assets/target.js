@@ -43,7 +43,8 @@ function readTarget(values) {
 
 const asWritten = (target, key) => (target.single.has(key) ? target[key][0] : target[key]);
 
-/// Table of pressures with their numbers, and the kind of the target.
+/// Table of pressures with their numbers, and the kind of the target. `onFail(field, error)` says what is wrong with a
+/// field, without an error that it is mended.
 function targetTable(getTarget, onEdit, onFail) {
   const root = h("div", { "data-key": "target", tabindex: "-1" });
   const write = (edits) => onEdit(edits.map(([key, value]) => ({ at: ["target", key], value })));
@@ -54,12 +55,13 @@ function targetTable(getTarget, onEdit, onFail) {
   const input = (labelOf, valueOf, focusKey, change) => {
     const field = h("input", { type: "text", inputmode: "decimal", "data-focus": focusKey, onchange: async () => {
       field.removeAttribute("aria-invalid");
+      onFail(field);
       try {
         const number = parseNumbers(field.value, true, false);
         if (number === null) throw new Error(`${labelOf(getTarget())}: enter a number.`);
         await change(number);
       }
-      catch (error) { field.setAttribute("aria-invalid", "true"); onFail(error); }
+      catch (error) { field.setAttribute("aria-invalid", "true"); onFail(field, error); }
     } });
     const show = (target) => {
       field.setAttribute("aria-label", labelOf(target));
@@ -131,6 +133,7 @@ function targetTable(getTarget, onEdit, onFail) {
       h("table", {}, h("thead", {}, h("tr", {}, head, h("td", {}))), h("tbody", {}, rows)),
       h("p", {}, button("Add a pressure", () => add(getTarget()))));
     fields.forEach((show) => show(target));
+    onFail();
     if (focus) root.querySelector(`[data-focus="${focus}"]`)?.focus();
   };
   return { root, draw };
@@ -164,10 +167,17 @@ export async function show(root, signal) {
   if (signal.aborted) return;
   let target = readTarget(doc.values);
   const failed = h("div", {});
-  const fail = (error) => failed.replaceChildren(alert(error));
+  const errors = new Map();
+  /// Shows what is wrong with fields and with the last save, each until it is mended; fields that are gone count as such.
+  const fail = (of, error) => {
+    errors.delete(of);
+    if (error) errors.set(of, error.message);
+    for (const field of errors.keys()) if (field.isConnected === false) errors.delete(field);
+    failed.replaceChildren(...[...new Set(errors.values())].map((message) => alert(message)));
+  };
   const write = (edits) => {
     const saved = edit(path, edits);
-    saved.then(() => failed.replaceChildren(), fail);
+    saved.then(() => fail(write), (error) => fail(write, error));
     return saved;
   };
   const plot = targetPlot((key, i, value) => {
