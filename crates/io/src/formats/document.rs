@@ -4,7 +4,7 @@ mod explain;
 mod tables_only;
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
 use crate::formats::spanned::Spanned;
@@ -33,6 +33,18 @@ pub struct Document {
     text: String,
     /// Expected kind of file; `None` if unknown.
     kind: Option<FileKind>,
+}
+
+/// `path` with `name/..` left out.
+fn without_detours(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match (part, plain.components().next_back()) {
+            (Component::ParentDir, Some(Component::Normal(_))) => drop(plain.pop()),
+            _ => plain.push(part),
+        }
+    }
+    plain
 }
 
 impl Document {
@@ -109,9 +121,17 @@ impl Document {
         &self.path
     }
 
-    /// Resolves a path written in the document, which is relative to the folder of the document.
+    /// Resolves a path written in the document, which is relative to the folder of the document; without detours such as
+    /// `designs/..`, as messages name it.
     pub fn resolve(&self, relative: &str) -> PathBuf {
-        self.path.parent().map_or_else(|| PathBuf::from(relative), |folder| folder.join(relative))
+        let path = self.path.parent().map_or_else(|| PathBuf::from(relative), |folder| folder.join(relative));
+        let plain = without_detours(&path);
+        let folder = |path: &Path| {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            self.source.canonical(folder)
+        };
+        // Behind a link `..` is another folder.
+        if plain != path && folder(&plain) == folder(&path) { plain } else { path }
     }
 
     /// File name without extension, for default output names.

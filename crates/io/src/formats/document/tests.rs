@@ -137,3 +137,26 @@ fn a_missing_condition_comes_with_what_is_accepted_and_an_example() {
 fn words_are_replaced_whole() {
     assert_eq!(replace_word("a map of bitmaps, map", "map", "table"), "a table of bitmaps, table");
 }
+
+#[test]
+fn paths_are_named_without_detours_unless_a_link_is_on_the_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |path: &str| folder.path().join(path);
+    for own in ["designs", "calibration", "far/designs"] {
+        std::fs::create_dir_all(at(own)).unwrap();
+    }
+    let resolved = |document: &str, relative: &str| {
+        Document::within(&crate::disk::disk(), at(document), String::new()).resolve(relative)
+    };
+    // As text: paths are equal if their parts are.
+    let is = |path: PathBuf, own: &str| assert_eq!(path.as_os_str(), at(own).as_os_str());
+    is(resolved("designs/a.toml", "../calibration/missing.toml"), "calibration/missing.toml");
+    is(resolved("designs/a.toml", "b/../c.toml"), "designs/b/../c.toml");
+    is(resolved("far/designs/a.toml", "../../m.toml"), "m.toml");
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(at("far/designs"), at("link")).unwrap();
+        is(resolved("link/a.toml", "../calibration/c.toml"), "link/../calibration/c.toml");
+        is(resolved("link/a.toml", "c.toml"), "link/c.toml");
+    }
+}
