@@ -349,7 +349,12 @@
   if (pair) pair.addEventListener("change", () => { plane = pair.value.split(",").map(Number); mapped = ""; draw(); });
 
   // Readings.
-  const fixed = (value, digits) => value === null || value === undefined || !Number.isFinite(value) ? "-" : value.toFixed(digits);
+  // A number halfway between two that can be written is written as the even one, as on the rest of the page.
+  const fixed = (value, digits) => {
+    if (value === null || value === undefined || !Number.isFinite(value)) return "-";
+    const power = 10 ** digits, isHalfway = Number.isInteger(value * 2 ** (digits + 1)) && Math.abs(value * power) % 1 === 0.5;
+    return (isHalfway ? 2 * Math.round(value * power / 2) / power : value).toFixed(digits);
+  };
   const [leastBelieved, mostBelieved] = data.believed;
   const believed = value => value < leastBelieved ? `below ${leastBelieved}` : value > mostBelieved ? `above ${mostBelieved}` : fixed(value, 3);
   // Seconds, from ten minutes on minutes, as on the rest of the page.
