@@ -31,11 +31,11 @@ fn warning(learned: &Discrepancy, pair: &Contradiction) -> String {
     };
     let then = match pair.is_own {
         [true, true] => "sample_std is kept as it is stated of both".to_owned(),
-        _ => format!("until then other samples are taken to scatter by {}", percent(learned.sample_std())),
+        _ => format!("until then the scatter learned and used for other samples is {}", percent(learned.sample_std())),
     };
     format!(
         "{NAME}: \"{first}\" and \"{second}\" are of one texture within the errors of their dimensions, and their ratios over the modelled \
-         ones differ by {} at {:.2} MPa, {} mm/s and {} %, where samples are said to scatter by {stated} (sample_std): {}; \
+         ones differ by {} at {:.2} MPa, {} mm/s and {} %, where a scatter of {stated} is assumed (sample_std): {}; \
          measure both again, and their dimensions; {then}",
         percent(pair.difference.abs()),
         PRESSURE_MPA.from_si(load.pressure_pa),
@@ -83,14 +83,14 @@ mod tests {
         let [warning] = &contradicting_samples(&learned(&[0.0, -0.12], None))[..] else { panic!() };
         for words in [
             "contradicting samples: \"cut-1\" and \"cut-2\" are of one texture within the errors of their dimensions",
-            "differ by 12 % at 2.00 MPa, 5 mm/s and 45 %, where samples are said to scatter by 2.0 % (sample_std)",
+            "differ by 12 % at 2.00 MPa, 5 mm/s and 45 %, where a scatter of 2.0 % is assumed (sample_std)",
             "(sample_std): a probability of ",
-            "until then other samples are taken to scatter by ",
+            "until then the scatter learned and used for other samples is ",
         ] {
             assert!(warning.contains(words), "{words}: {warning}");
         }
         let own = contradicting_samples(&learned(&[0.0, -0.12], Some(0.01)));
-        assert!(own.len() == 1 && own[0].contains("by 1.0 % (sample_std)"), "{own:?}");
+        assert!(own.len() == 1 && own[0].contains("of 1.0 % is assumed (sample_std)"), "{own:?}");
         assert!(own[0].ends_with("sample_std is kept as it is stated of both"), "{own:?}");
         assert!(contradicting_samples(&learned(&[0.0, -0.12], Some(0.05))).is_empty());
         let many = contradicting_samples(&learned(&[0.0, 0.001, -0.12, -0.121], None));

@@ -70,9 +70,11 @@ impl SampleScatter {
     /// States the posterior scatter in one line, and what speaks against the stated one if it is unlikely.
     pub(super) fn text(&self) -> String {
         let Self { stated, weight, found } = self;
-        let doubt = format!(": that they scatter by {stated}, as sample_std says, has a weight of {weight:.3}");
+        let doubt = format!("; the trials leave the assumed one a weight of {weight:.3}");
         let doubt = if *weight < BELIEVED { &doubt } else { "" };
-        format!("samples of one texture are taken to scatter by {found:.3} (standard deviation of ln ratio){doubt}\n")
+        format!(
+            "scatter of samples of one texture, in ln ratio: {stated} assumed (sample_std), {found:.3} learned and used{doubt}\n"
+        )
     }
 }
 

@@ -122,8 +122,8 @@ fn samples_of_one_texture_that_contradict_each_other_are_named() {
     let text = found.text();
     for words in [
         "! measured ratio: odd\n! contradicting samples: \"A\" and \"C\" are of one texture",
-        "their ratios over the modelled ones differ by 10 % at 2.00 MPa, 2 mm/s and 40 %, where samples are said to scatter by 2.0 %",
-        "samples of one texture are taken to scatter by 0.0",
+        "their ratios over the modelled ones differ by 10 % at 2.00 MPa, 2 mm/s and 40 %, where a scatter of 2.0 % is assumed",
+        "scatter of samples of one texture, in ln ratio: 0.02 assumed (sample_std), 0.0",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }
@@ -141,8 +141,10 @@ fn samples_of_one_texture_that_contradict_each_other_are_named() {
     assert!(!text.contains("contradicting"), "{text}");
     // One sample says nothing against the stated scatter, which stands there all the same.
     let text = ledger(vec![trial("A", 200.0, -0.1)]).text();
-    let scatter = text.lines().find(|line| line.starts_with("samples of one texture are taken to scatter by 0.0"));
-    assert!(scatter.is_some_and(|line| line.ends_with("(standard deviation of ln ratio)")), "{text}");
+    let scatter = text.lines().find(|line| {
+        line.starts_with("scatter of samples of one texture, in ln ratio: 0.02 assumed (sample_std), 0.0")
+    });
+    assert!(scatter.is_some_and(|line| line.ends_with(" learned and used")), "{text}");
     let effects = [DiscrepancyEffect { of: "a speed".to_owned(), value: 0.0, std: 0.4, prior_std: 0.2 }];
     assert!(less_known(&effects).starts_with("less is known of a speed than before any trial"));
 }
