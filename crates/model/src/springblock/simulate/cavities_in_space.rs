@@ -114,7 +114,8 @@ fn refine_groove(
 ) -> Result<(BlockRefinement, Vec<f64>), String> {
     let mut plane = Scene { pattern: Some(*groove), ..scene.clone() };
     plane.run.dimensions = Some(Dimension::Plane.number());
-    refine_in_plane(&plane, groove, most, monitor)
+    // Edges along the sliding direction converge in another way: nothing is extrapolated.
+    refine_in_plane(&plane, groove, (most, 0.0), monitor)
 }
 
 /// Scales the refinement `found` of a groove with the ratios `of_groove` to cells with the ratios `own`, in proportion
