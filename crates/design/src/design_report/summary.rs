@@ -194,7 +194,8 @@ impl DesignReport {
     }
 
     /// Doubts listed before and after those about the material. Before: broken limits, runs without a valid result, and
-    /// passes that make another depth, which make every number void. After: coarse blocks and bursts, which change numbers by a known amount.
+    /// passes that make another depth, which make every number void. After: coarse blocks and bursts, which change
+    /// numbers by a known amount.
     fn other_doubts(&self) -> [Vec<String>; 2] {
         let beyond = beyond_measured(&self.beyond_mpa());
         let loads = crate::results::warnings(&self.confirmed);
