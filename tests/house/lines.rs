@@ -6,15 +6,15 @@ use crate::rooms::{code, root, sources};
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
     ("base", 1_670),
-    ("model", 14_810),
+    ("model", 14_815),
     ("surface", 10_275),
     ("traces", 3_150),
     ("laser", 4_555),
     ("infer", 5_735),
-    ("design", 6_945),
+    ("design", 6_950),
     ("io", 9_460),
     ("report", 7_175),
-    ("validate", 2_730),
+    ("validate", 2_740),
     ("slipgrid", 100),
     ("studio", 1_525),
     ("cli", 2_525),
