@@ -53,9 +53,12 @@ pub struct Explorer {
     /// all loads of all conditions, then lower ends of the 95 % intervals of samples, then upper ends; all for the first
     /// of [`Self::quantile_nodes`] evenly spaced cavity fractions between `shares`, then all for the next.
     pub expected: ResponseSurface,
-    /// Interpolated log odds ln(p / (1 - p)), p the chance that a sample is on target, for evenly spaced cavity
-    /// fractions between `shares`.
+    /// Interpolated log odds ln(p / (1 - p)), p the chance that a sample is on target, above those that
+    /// [`rough_log_odds`] makes of medians and intervals, for evenly spaced cavity fractions between `shares`. The
+    /// difference is small and smooth, while log odds fall steeply from node to node.
     pub log_odds: ResponseSurface,
+    /// Lowest and highest accepted value at each load of the first condition, in the quantity of the target.
+    pub bands: Vec<[Option<f64>; 2]>,
     /// Six interpolated values: logarithm of the maximum local pressure in MPa, minimum height of a cavity's ceiling
     /// under load in micrometres, minimum ratio of local to nominal pressure, logarithm of the time of one exposure over
     /// the area of the cavities and the time of [`one_exposure`] (0 if unknown), share of the face that is cavity, and
@@ -228,7 +231,9 @@ impl Explorer {
         let lengths_um = layout.pattern().lengths_m().map(|m| LENGTH_UM.from_si(m));
         let share = Laid::from_layout(layout, self.dimension).share(layout.pattern());
         let at = |surface: &ResponseSurface, outputs| between(&surface.at(&lengths_um), outputs, self.shares, share);
-        (at(&self.expected, self.quantile_nodes()), at(&self.log_odds, self.log_odds.outputs())[0])
+        let expected = at(&self.expected, self.quantile_nodes());
+        let log_odds = at(&self.log_odds, self.log_odds.outputs())[0] + rough_log_odds(&self.bands, &expected);
+        (expected, log_odds)
     }
 
     /// Builds the explorer from the table of `search`, corrected by the table's error at the texture of `about`, and
@@ -266,6 +271,8 @@ impl Explorer {
             let at = |load: usize, p: f64| search.asked.bands[load].flat * found.quantile(load, p);
             [0.5, 0.025, 0.975].into_iter().flat_map(|p| (0..loads).map(move |load| at(load, p))).collect()
         };
+        let bands: Vec<[Option<f64>; 2]> = task.target.points().iter().map(|point| point.wanted.band()).collect();
+        let above = |found: &Prediction| found.log_odds() - rough_log_odds(&bands, &quantiles_of(found));
         // Smooth, unlike the time: depths are whole exposures, and widths take whole lines. A cavity narrower than the spot
         // has no line, and the number of one that fits.
         let spot_um = task.laser.spot_um.unwrap_or(0.0);
@@ -294,7 +301,7 @@ impl Explorer {
             let at = |node: usize| shares[0] + (shares[1] - shares[0]) * node as f64 / (log_odds_nodes - 1) as f64;
             let found = (0..log_odds_nodes).map(|node| predicted(lengths_um, at(node))).collect::<Option<Vec<_>>>()?;
             let quantiles = found.iter().step_by((log_odds_nodes - 1) / (quantile_nodes - 1)).flat_map(quantiles_of);
-            let log_odds: Vec<f64> = found.iter().map(Prediction::log_odds).collect();
+            let log_odds: Vec<f64> = found.iter().map(above).collect();
             Some([quantiles.collect(), log_odds, beside_of(laid.as_ref()?, None)?.to_vec()].concat())
         };
         let answers: Vec<Option<Vec<f64>>> = nodes.par_iter().zip(&laid_nodes).map(node).collect();
@@ -315,7 +322,7 @@ impl Explorer {
             .concat()
         };
         let mut reported = quantiles_of(about);
-        reported.push(about.log_odds());
+        reported.push(above(about));
         reported.extend(beside_of(&own, run).into_iter().flatten());
         // The same for all cavity fractions.
         let missing = |numbers: &[f64]| {
@@ -330,6 +337,7 @@ impl Explorer {
         let mut explorer = Self {
             expected,
             log_odds,
+            bands: bands.clone(),
             beside,
             shares,
             dimension,
@@ -353,6 +361,31 @@ impl Explorer {
         (explorer.checked, explorer.median_error) = (off.len(), tidy(median(&mut off).unwrap_or(0.0)));
         Some(explorer)
     }
+}
+
+/// Log odds that samples lie within `bands`, lowest and highest values at each of the first loads, at the load where this
+/// is least likely and nearly so elsewhere: by medians, lower and upper ends of 95 % intervals at all loads, which
+/// `quantiles` holds one after the other. 0 without bands.
+///
+/// The page repeats the formula. With the distribution function F of a logistic variable that is nearly normal,
+///
+/// ```text
+/// p_i = F(highest) - F(lowest),   ln(p / (1 - p)) = -ln sum_i (1 - p_i) / p_i
+/// ```
+fn rough_log_odds(bands: &[[Option<f64>; 2]], quantiles: &[f64]) -> f64 {
+    const LEAST: f64 = 1e-9;
+    let inverse = |(load, [lowest, highest]): (usize, &[Option<f64>; 2])| {
+        let [median, lower, upper] = [0, 1, 2].map(|part| quantiles[part * quantiles.len() / 3 + load].max(1e-3));
+        let below = |value: f64| {
+            let std = ((if value > median { upper } else { lower } / median).ln().abs() / 1.96).max(1e-3);
+            1.0 / (1.0 + (-1.702 * (value / median).ln() / std).exp())
+        };
+        let within = highest.map_or(1.0, below) - lowest.map_or(0.0, below);
+        let chance = within.clamp(LEAST, 1.0 - LEAST);
+        (1.0 - chance) / chance
+    };
+    let sum: f64 = bands.iter().enumerate().filter(|(_, band)| band.iter().any(Option::is_some)).map(inverse).sum();
+    if sum > 0.0 { -sum.ln() } else { 0.0 }
 }
 
 /// Interpolates outputs at `share` by the polynomial through their `values` at `nodes` evenly spaced cavity fractions

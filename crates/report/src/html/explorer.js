@@ -56,8 +56,8 @@
     return { at, plane };
   };
   const axes = data.axes, loads = data.pressure_mpa.length;
-  // Medians at every load of every condition; the ends of 95 % of samples at the loads of the first; ln(p / (1 - p)) of the chance p, each for some
-  // shares of the face over the share of a period; ln of the largest pressure, least height of a ceiling, least local over nominal pressure, ln of the
+  // Medians at every load of every condition; the ends of 95 % of samples at the loads of the first; ln(p / (1 - p)) of the chance p above `roughly`,
+  // each for some shares of the face over the share of a period; ln of the largest pressure, least height of a ceiling, least local over nominal pressure, ln of the
   // seconds of an exposure over those of `once`; where cavities are not counted, the share of the face, too, and its quotient with that of a period.
   const medians = surface(data.medians, axes), lower = surface(data.lower, axes), upper = surface(data.upper, axes);
   const logOdds = surface(data.log_odds, axes), beside = surface(data.beside, axes);
@@ -116,6 +116,19 @@
   // Why a design between these nodes has no answer, in words; null where it has one.
   const gapOf = (nodes, { height, share }) => share === 0 ? "the specimen takes no cavity of this design: no answer" : isBesideHole(nodes) ? "the model finds no answer near this design" : height <= 0 ? "the cavity closes under the load: no answer" : null;
   const isWithin = (value, load) => (data.lowest[load % loads] === null || value >= data.lowest[load % loads]) && (data.highest[load % loads] === null || value <= data.highest[load % loads]);
+  // Log odds by medians and intervals alone, as where the nodes were computed: a logistic distribution about each median, and the sum of inverse odds.
+  const roughly = (values, low, high) => {
+    let sum = 0;
+    for (let load = 0; load < loads; load++) {
+      const lowest = data.lowest[load], highest = data.highest[load];
+      if (lowest === null && highest === null) continue;
+      const [median, lower, upper] = [values, low, high].map(own => Math.max(own[load], 1e-3));
+      const below = value => 1 / (1 + Math.exp(-1.702 * Math.log(value / median) / Math.max(Math.abs(Math.log((value > median ? upper : lower) / median)) / 1.96, 1e-3)));
+      const chance = Math.min(Math.max((highest === null ? 1 : below(highest)) - (lowest === null ? 0 : below(lowest)), 1e-9), 1 - 1e-9);
+      sum += (1 - chance) / chance;
+    }
+    return sum > 0 ? -Math.log(sum) : 0;
+  };
   const chanceOf = odds => 1 / (1 + Math.exp(-odds));
 
   const round = (value, step) => Math.round(value / step) * step;
@@ -137,10 +150,10 @@
   };
   const describe = at => {
     const own = readBeside(beside.at(at), 0, { at }), of = (surface, count, nodes) => atShare(surface.at(at), 0, count, nodes, own.share);
-    const values = of(medians, all_loads, medianNodes);
+    const values = of(medians, all_loads, medianNodes), [low, high] = [lower, upper].map(ends => of(ends, loads, medianNodes));
     return {
-      ...own, values, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), own), chance: chanceOf(of(logOdds, 1, oddsNodes)[0]),
-      lower: of(lower, loads, medianNodes), upper: of(upper, loads, medianNodes), isOn: values.every(isWithin),
+      ...own, values, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), own), chance: chanceOf(of(logOdds, 1, oddsNodes)[0] + roughly(values, low, high)),
+      lower: low, upper: high, isOn: values.every(isWithin),
     };
   };
   const LIMITED = { peak: own => own.peak, land: own => own.at[1], spot: own => own.at[0], density: own => own.face, bearing: own => 1 - own.face, laser: own => own.seconds, clearance: own => own.height, least: own => own.least };
@@ -278,7 +291,7 @@
       const hs = Array.from({ length: COLUMNS }, (_, column) => lengthAt(h, (column + 0.5) / COLUMNS));
       const vs = Array.from({ length: ROWS }, (_, row) => lengthAt(v, 1 - (row + 0.5) / ROWS));
       const [values, sides] = [medians, beside].map(own => own.plane(state, h, v, hs, vs));
-      const odds = hasTarget ? logOdds.plane(state, h, v, hs, vs) : null;
+      const [odds, lows, highs] = [logOdds, lower, upper].map(own => hasTarget ? own.plane(state, h, v, hs, vs) : null);
       image = context.createImageData(map.width, map.height);
       const at = state.slice(), nodes = axes.map((axis, k) => around(axis, state[k])), told = new Set();
       const [columns, rows] = [[h, hs], [v, vs]].map(([k, lengths]) => lengths.map(length => around(axes[k], length)));
@@ -298,7 +311,8 @@
       let [least, most] = [Infinity, -Infinity];
       for (let cell = 0; cell < cells; cell++) {
         if (gaps[cell]) continue;
-        rank[cell] = hasTarget ? atShare(odds, cell * oddsNodes, 1, oddsNodes, owns[cell].share)[0] : -between(expected[cell], pressure);
+        const { share } = owns[cell], end = ends => atShare(ends, cell * medianNodes * loads, loads, medianNodes, share);
+        rank[cell] = hasTarget ? atShare(odds, cell * oddsNodes, 1, oddsNodes, share)[0] + roughly(expected[cell], end(lows), end(highs)) : -between(expected[cell], pressure);
         least = Math.min(least, rank[cell]);
         most = Math.max(most, rank[cell]);
       }
