@@ -60,7 +60,7 @@ impl Scope {
         sensitivities: [7, 7, 4],
         // Of the effect, 0.022 in ln R in the root mean square of 80 random textures of the LDPE design, these leave
         // 0.008, as do 4 x 4 nodes; 3 x 4 x 2 leave 0.011. It jumps where one more cavity fits between the ends.
-        face: [3, 3, 1],
+        face: [3, 4, 1],
         checks: 60,
     };
     /// Scope in space, where a node takes longer.
@@ -162,7 +162,8 @@ impl Table {
         let by_face = |design: &Pattern| {
             let ratios = models.own.steady(design).ok()?.ratio;
             let changes = beyond.by_face(design, &ratios, true, stage);
-            Some(changes.iter().zip(ratios).map(|(log, ratio)| log.exp_m1() * ratio / effect(ratio)).collect())
+            let shares = changes.iter().zip(ratios).map(|(log, ratio)| log.exp_m1() * ratio / effect(ratio));
+            Some(shares.collect::<Vec<f64>>()).filter(|shares| shares.iter().all(|share| share.is_finite()))
         };
         let face = match beyond.face {
             Some(_) => Some(Nodes::new(task, ("ends and tilt", models), &by_face, scope.face, &part)?),
@@ -258,10 +259,11 @@ impl Table {
     }
 
     /// Change of the logarithm of each of `ratios`, those of `design` by the table, by the specimen's ends and pressure
-    /// tilt; empty, which means no change, if samples are sectors.
+    /// tilt; empty, which means no change, if samples are sectors, and if no node has a value.
     pub fn by_face(&self, design: &Pattern, ratios: &[f64]) -> Vec<f64> {
         let shares = self.face.as_ref().map_or_else(Vec::new, |face| face.at(design.lengths_m()));
-        let log = |(share, ratio): (f64, &f64)| (share * effect(*ratio) / ratio).max(-0.5).ln_1p();
+        let change = |share: f64, ratio: f64| if ratio > 0.0 { share * effect(ratio) / ratio } else { 0.0 };
+        let log = |(share, ratio): (f64, &f64)| change(share, *ratio).max(-0.5).ln_1p();
         shares.into_iter().zip(ratios).map(log).collect()
     }
 
@@ -285,9 +287,10 @@ impl Table {
     }
 }
 
-/// Effect 1 - R of a texture whose ratio R is `ratio`, and at least what is far below the error of R.
+/// Effect 1 - R of a texture whose ratio R is `ratio`, at least 0.01: ends and tilt change smaller ones by more than a
+/// share of them.
 fn effect(ratio: f64) -> f64 {
-    (1.0 - ratio).max(1e-4)
+    (1.0 - ratio).max(0.01)
 }
 
 /// Axes over the bounds of `task`.
