@@ -79,8 +79,9 @@ impl Advice {
         // Before any trial the model error is unknown, so only a trial can be advised.
         let has_trials = !asked.learned.trials().is_empty();
         if !is_within_reach && asked.has_demands() && has_trials {
-            let contradicting =
-                asked.learned.contradictions().into_iter().find(|pair| is_in_doubt(search, pair.trials));
+            let pairs = asked.learned.contradictions();
+            let with_all = if pairs.is_empty() { 0.0 } else { greatest_chance(search) };
+            let contradicting = pairs.into_iter().find(|pair| is_in_doubt(search, pair.trials, with_all));
             let name = |trial: usize| asked.learned.trials()[trial].name.clone();
             return contradicting.map_or(Self::CannotBeMet { keeps_limits: true }, |pair| Self::MeasureAgain {
                 trials: pair.trials.map(name),
@@ -135,20 +136,23 @@ impl Advice {
     }
 }
 
-/// Whether the greatest chance by the table is greater without one of two `trials`, so that the target may be met if this
-/// one was measured wrong.
-fn is_in_doubt(search: &Search<'_>, trials: [usize; 2]) -> bool {
-    let chance = |search: &Search<'_>| search.greatest(&|_| true).0.map_or(0.0, |best| best.chance());
+/// Greatest chance of any texture by the table; 0 without a texture.
+fn greatest_chance(search: &Search<'_>) -> f64 {
+    search.greatest(&|_| true).0.map_or(0.0, |best| best.chance())
+}
+
+/// Whether the greatest chance is greater without one of two `trials` than `with_all`, so that the target may be met if
+/// this one was measured wrong; true if there was no time to tell.
+fn is_in_doubt(search: &Search<'_>, trials: [usize; 2], with_all: f64) -> bool {
     let without = |trial: usize| {
         let mut prepared = search.prepared.clone();
         let learned = prepared.uncertainty.learned.as_mut()?;
         let mut kept = learned.trials().to_vec();
         kept.remove(trial);
         *learned = learned.with_trials(kept).ok()?;
-        Some(chance(&search.asking(&Asked::new(&prepared).ok()?)))
+        Some(greatest_chance(&search.asking(&Asked::new(&prepared).ok()?)))
     };
-    let both = chance(search);
-    trials.into_iter().filter_map(without).any(|chance| chance > both + ALIKE)
+    trials.into_iter().filter_map(without).any(|chance| chance > with_all + ALIKE) || search.stage.cancelled()
 }
 
 /// Name of `trial` in quotes, with width, spacing and depth in micrometres and the areal density.

@@ -177,17 +177,19 @@ impl Search<'_> {
             let Some(by) = known.by_cutting.at(pattern).filter(|_| of.texture.known < Known::AsCut) else {
                 return of.clone();
             };
-            let texture = of.texture.clone().moved(&by);
-            let peak = known.run_over_cell(pattern);
-            let raised = |cell: &Answer| Answer { peak_pressure_mpa: peak * cell.peak_pressure_mpa, ..cell.clone() };
-            let limited = texture.limited.as_ref().filter(|_| peak > 1.0).map(raised);
-            let limited = limited.and_then(|answer| self.limited(texture.clone(), answer).ok());
-            let texture = limited.unwrap_or(texture);
-            self.predicted(texture)
+            let peak = known.run_over_cell(pattern).max(1.0);
+            self.predicted(self.with_peak(of.texture.clone().moved(&by), &|of_cell_mpa| peak * of_cell_mpa))
         };
         let fresh: Vec<Prediction> = known.solved[known.with_cutting.len()..].par_iter().map(one).collect();
         known.with_cutting.extend(fresh);
         sorted(known.with_cutting.clone())
+    }
+
+    /// Compares `texture` with the limits again, its peak pressure, in megapascals, changed by `change`.
+    fn with_peak(&self, texture: CutTexture, change: &dyn Fn(f64) -> f64) -> CutTexture {
+        let changed = |of: &Answer| Answer { peak_pressure_mpa: change(of.peak_pressure_mpa), ..of.clone() };
+        let limited = texture.limited.as_ref().map(changed);
+        limited.and_then(|answer| self.limited(texture.clone(), answer).ok()).unwrap_or(texture)
     }
 
     fn predicted(&self, texture: CutTexture) -> Prediction {

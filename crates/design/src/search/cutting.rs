@@ -9,7 +9,6 @@ use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, t
 use super::Search;
 use crate::as_cut::{CutTexture, Known};
 use crate::confirmation::{confirming_scene, run_in_time};
-use crate::evaluation_cache::Answer;
 use crate::inputs::{InputEffect, Part, known_to};
 use crate::prediction::Prediction;
 
@@ -18,8 +17,8 @@ use crate::prediction::Prediction;
 const OF_RUN: [Effect; 5] = [Effect::Layout, Effect::Rims, Effect::Time, Effect::Behind, Effect::Tilt];
 
 impl Search<'_> {
-    /// Replaces the effects of the specimen's ends and pressure tilt from the table by solved values, and in the plane
-    /// adds a dynamic run. Returns `found` as it is if the stage is cancelled.
+    /// Replaces the effects of the specimen's ends and pressure tilt from the table by solved values, and adds a dynamic
+    /// run in the plane, and in space if the peak pressure is limited. Returns `found` as it is if the stage is cancelled.
     pub fn as_cut(&self, found: &Prediction) -> Prediction {
         if found.texture.known == Known::AsCut {
             return found.clone();
@@ -72,11 +71,8 @@ impl Search<'_> {
     /// limits: the outer lands of a specimen carry a higher pressure than an infinite pattern, and stick-slip adds to it.
     fn as_run(&self, texture: CutTexture, run: &Simulation) -> CutTexture {
         let of_run_mpa = PRESSURE_MPA.from_si(run.peak_pressure_pa());
-        let raised =
-            |cell: &Answer| Answer { peak_pressure_mpa: cell.peak_pressure_mpa.max(of_run_mpa), ..cell.clone() };
-        let limited = texture.limited.as_ref().map(raised);
-        let limited = limited.and_then(|answer| self.limited(texture.clone(), answer).ok());
-        CutTexture { known: Known::AsCut, run: Some(Arc::new(run.clone())), ..limited.unwrap_or(texture) }
+        let texture = self.with_peak(texture, &|of_cell_mpa| of_run_mpa.max(of_cell_mpa));
+        CutTexture { known: Known::AsCut, run: Some(Arc::new(run.clone())), ..texture }
     }
 
     /// Uncertainty from `effect`, an error common to all loads and conditions: `log` has its standard deviation of ln R at

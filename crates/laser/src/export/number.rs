@@ -44,7 +44,7 @@ pub(crate) fn six_digits(value: f64) -> f64 {
 /// Length in micrometres below which a nanometre leaves fewer than three digits.
 const FINE_UM: f64 = 0.1;
 
-/// Rounds a depth in micrometres to one nanometre, and one of a few nanometres or less, as of one burst, to six
+/// Rounds a depth in micrometres to one nanometre, and one below a tenth of a micrometre, as of one burst, to six
 /// significant digits.
 pub(crate) fn depth(depth_um: f64) -> f64 {
     if depth_um.abs() < FINE_UM { six_digits(depth_um) } else { round_decimals(depth_um, MICROMETRE_DECIMALS) }

@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use slipgrid_base::units::LENGTH_UM;
 use slipgrid_model::pattern::{Pattern, Planform};
 
 use crate::export::removal::{CavityHatch, LayoutHatch};
@@ -131,20 +132,23 @@ pub struct WorkSheet {
 /// Estimated marking time for all cavities of `layout`, in seconds, as on the process sheet; `None` if laser parameters
 /// are missing.
 pub fn laser_time_s(layout: &Layout, laser: &Laser) -> Option<f64> {
-    time_s(layout, laser, hatched(layout, laser).as_ref())
+    time_s(layout, laser, lines(layout, laser).as_ref())
 }
 
 /// Time of one exposure of all cavities of `layout`, in seconds: one pass over their lines, or one burst on each of their
 /// spots or of a mask. `None` if laser parameters are missing.
 pub fn exposure_time_s(layout: &Layout, laser: &Laser) -> Option<f64> {
-    exposure_s(layout, laser, hatched(layout, laser).as_ref())
+    exposure_s(layout, laser, lines(layout, laser).as_ref())
 }
 
 /// Depth of one exposure of cavities of `pattern`, in um, and its time over the area of cavities far from the border of a
 /// specimen, in s/m^2, `None` if unknown. Both jump with the width, where one more line or spot fits; the time on a
-/// specimen over this time is smooth in width and spacing. `None` without a depth, and for cavities narrower than the
-/// spot. The number of grooves that a mask exposes jumps on a specimen, too.
+/// specimen over this time is smooth in width and spacing. Cavities narrower than the spot have no line, and the
+/// exposures of those that fit. `None` without a depth. The number of grooves that a mask exposes jumps on a specimen,
+/// too.
 pub fn one_exposure(pattern: &Pattern, laser: &Laser) -> Option<(f64, Option<f64>)> {
+    let width_m = pattern.width_m().max(laser.spot_um.map_or(0.0, |spot_um| LENGTH_UM.to_si(spot_um)));
+    let pattern = &Pattern::new(*pattern.texture(), width_m, pattern.spacing_m(), pattern.depth_m()).ok()?;
     if laser.has_passes() {
         let cavity = CavityHatch::of_pattern(pattern, laser)?;
         // t / A = L / (v A)
@@ -161,6 +165,11 @@ pub fn one_exposure(pattern: &Pattern, laser: &Laser) -> Option<(f64, Option<f64
     let each_s = laser.repetition_hz.map(|repetition_hz| 1.0 / repetition_hz);
     let time_s_m2 = per_area.into_iter().chain([each_s]).product();
     Some((laser.depth_per_burst_um?, time_s_m2))
+}
+
+/// The hatch of all cavities of `layout` if passes over its lines give the depth.
+fn lines(layout: &Layout, laser: &Laser) -> Option<LayoutHatch> {
+    if laser.has_passes() { hatched(layout, laser) } else { None }
 }
 
 /// The hatch of all cavities of `layout`; `None` for a mask, which exposes whole cavities, and without a spot diameter.

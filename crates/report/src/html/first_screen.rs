@@ -44,7 +44,8 @@ const TERMS: [(&str, &str); 11] = [
 
 /// Adds the first screen of `report`, with details from the design `found` if available.
 pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Option<&DesignOutcome>) {
-    let doubts = report.doubts();
+    let depth = report.wrong_depth();
+    let doubts: Vec<String> = report.doubts().into_iter().filter(|doubt| Some(doubt) != depth.as_ref()).collect();
     // A sample is worth cutting, or a cut sample is on target.
     let is_good = matches!(&*report.advice, "series" | "trial" | "trial_meets_it");
     page.block(if is_good { "decision" } else { "decision missed" }, |page| {
@@ -53,8 +54,8 @@ pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Out
             if let Some(words) = expected_words(report) {
                 page.paragraph(&words);
             }
-            if let Some(words) = report.wrong_depth() {
-                page.paragraph(&sentence(&words));
+            if let Some(words) = &depth {
+                page.paragraph(&sentence(words));
             }
             page.badges(&doubts);
         });

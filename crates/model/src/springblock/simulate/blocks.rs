@@ -73,10 +73,11 @@ const UNKNOWN: &str = "how far they are from those of vanishing blocks is not kn
 pub struct BlockRefinement {
     /// Size of the finest blocks relative to the layer's blocks.
     pub factor: f64,
-    /// Ratios extrapolated beyond the finest blocks minus those in the layer's blocks, by load.
+    /// Ratios in the finest blocks, of flat lands in the plane extrapolated beyond them, minus those in the layer's
+    /// blocks, by load.
     pub shifts: Vec<f64>,
-    /// Upper bound, with 95 % probability, of the difference of the extrapolated ratios from those of vanishing blocks,
-    /// by load.
+    /// Upper bound, with 95 % probability, of the difference of these ratios from those of vanishing blocks, by
+    /// load.
     pub errors: Vec<f64>,
 }
 

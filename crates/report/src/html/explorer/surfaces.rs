@@ -59,11 +59,9 @@ impl Exposures {
     pub fn new(task: &DesignTask) -> Option<Self> {
         let [[from_m, to_m], [_, spacing_m], [_, depth_m]] = task.space.lengths_m();
         let last = (LENGTH_UM.from_si(to_m - from_m) / WIDTH_STEP_UM).ceil().min(MAX_WIDTHS);
-        // A cavity narrower than the spot has no line, and the exposures of one that fits.
-        let spot_m = task.laser.spot_um.map_or(0.0, |spot_um| LENGTH_UM.to_si(spot_um));
         let at = |place: u32| {
             let width_m = from_m + (to_m - from_m) * f64::from(place) / last.max(1.0);
-            one_exposure(&task.space.pattern([width_m.max(spot_m), spacing_m, depth_m]).ok()?, &task.laser)
+            one_exposure(&task.space.pattern([width_m, spacing_m, depth_m]).ok()?, &task.laser)
         };
         let all: Vec<(f64, Option<f64>)> = (0..=last as u32).map(at).collect::<Option<_>>()?;
         let area_m2 = task.specimen.outline.area_m2();
