@@ -158,7 +158,7 @@ impl Search<'_> {
         let shifts = self.table.dimension_shifts(pattern, laid, &self.task.tolerances.unwrap_or_default())?;
         let texture = CutTexture::interpolated(*pattern, modelled, shifts);
         let by_face = self.table.by_face(pattern, &texture.ratio);
-        Some((texture.moved(&by_face), answer))
+        Some((texture.moved(&self.table.by_blocks(pattern)).moved(&by_face), answer))
     }
 
     /// Interpolates `pattern` in the table, corrected by the known errors of the table at solved textures.
