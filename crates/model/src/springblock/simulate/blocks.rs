@@ -39,25 +39,40 @@ const TAIL_FACTOR: f64 = 1.5;
 /// With this value the error over its standard error has a root mean square of 1.15, 1.02, 0.87 and 0.69 at 0.3, 0.65,
 /// 1.3 and 2.6 MPa on 28 random grooves with rims 10 to 60 um wide and 0.05 to 1 um high, in blocks of 20, 10 and 5 um.
 const RAISED_REMAINDER: f64 = 1.5;
-/// Change beyond the finest blocks over the last difference d_2, for refined ratios of flat lands: p = 1.6.
-///
-/// On 40 random patterns in blocks down to 2.5 and to 1.25 um it leaves errors of 0.0008 and 0.0005 in the root mean
-/// square, and without it 0.0016 and 0.0008.
-const BEYOND_FINEST: f64 = 0.5;
-/// Factors of |d_2| and of the tail in the error estimate for refined ratios: extrapolated from three block sizes, and
-/// others. On 40 random patterns the estimate is not below the error in 95 % of cases. The first two differences are
-/// large for other reasons than the singular edges that the finest blocks leave.
-const FINEST_FACTORS: [[f64; 2]; 2] = [[1.0, 0.5], [2.0, 2.0]];
+/// How refined ratios follow from those in the finest blocks.
+#[derive(Clone, Copy, Debug)]
+pub struct Finest {
+    /// Change beyond the finest blocks over the last difference d_2.
+    beyond: f64,
+    /// Factors of |d_2| and of the tail in the error estimate from three block sizes.
+    of_three: [f64; 2],
+    /// Maximum number of multiplications of a cell in a fourth size, where lands are flat and three sizes suffice.
+    max_fourth_products: f64,
+}
+
+/// Factors of |d_2| and of the tail in the error estimate for refined ratios from more than three block sizes: on 40
+/// random patterns the estimate is not below the error in 95 % of cases.
+const FINEST_FACTORS: [f64; 2] = [2.0, 2.0];
+
+impl Finest {
+    /// Extrapolated with p = 1.6, for flat lands in the plane.
+    ///
+    /// On 40 random patterns in blocks down to 2.5 and to 1.25 um this leaves errors of 0.0008 and 0.0005 in the root mean
+    /// square, and as solved 0.0016 and 0.0008. The estimate from three sizes is not below the error in 96 % of cases:
+    /// their first two differences are large for other reasons than the singular edges that the finest blocks leave. A
+    /// fourth size takes at most some hundredths of a second.
+    pub const EXTRAPOLATED: Self = Self { beyond: 0.5, of_three: [1.0, 0.5], max_fourth_products: 2e8 };
+    /// As solved, for raised lands, and for grooves that stand for cavities in space. A fourth size takes at most a
+    /// quarter of a second: it changes the ratio of the published trial by 1e-4.
+    pub const AS_SOLVED: Self = Self { beyond: 0.0, of_three: FINEST_FACTORS, max_fourth_products: 1e9 };
+}
+
 /// Minimum depth of a cavity, in units of the finest blocks, for an estimate of the remainder.
 const MIN_DEPTH_BLOCKS: f64 = 2.0;
 /// Block sizes for refined ratios, relative to the layer's blocks, in the order in which they are solved.
 const FACTORS: [f64; 6] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
 /// Number of block sizes that suffice for cavities at least [`MIN_DEPTH_BLOCKS`] deep in the last of these sizes.
 const DEEP_LEVELS: usize = 4;
-/// Maximum number of multiplications of the last of these cells where lands are flat and the three sizes before it
-/// suffice, too: some hundredths of a second with extrapolation, a quarter of a second without, where it changes the
-/// ratio of the published trial by 1e-4.
-const MAX_LAST_PRODUCTS: [f64; 2] = [2e8, 1e9];
 /// Maximum number of multiplications of one steady plane cell for error estimates. Such a cell takes half a second.
 pub const MAX_PRODUCTS: f64 = 2e9;
 /// Maximum number of multiplications of one steady plane cell for refined ratios. Such a cell takes some seconds.
@@ -106,8 +121,8 @@ pub fn refinement(
 ) -> Result<BlockRefinement, String> {
     match scene.dimension() {
         Dimension::Plane => {
-            let beyond = if scene.is_raised() { 0.0 } else { BEYOND_FINEST };
-            refine_in_plane(scene, pattern, (most, beyond), monitor).map(|(found, _)| found)
+            let finest = if scene.is_raised() { Finest::AS_SOLVED } else { Finest::EXTRAPOLATED };
+            refine_in_plane(scene, pattern, (most, finest), monitor).map(|(found, _)| found)
         }
         Dimension::Space => refined_by_grooves(scene, pattern, own, most, monitor),
     }
@@ -291,11 +306,12 @@ fn um(length_m: f64) -> f64 {
 }
 
 /// Effect of vanishing blocks in the vertical plane, and the ratios in the blocks of `scene`, by load; or the reason why
-/// there is no result. Extrapolates from the finest possible blocks by `beyond` times the last difference.
+/// there is no result. Cells take at most `most` multiplications; ratios follow from the finest possible blocks as in
+/// `finest`.
 pub fn refine_in_plane(
     scene: &Scene,
     pattern: &Pattern,
-    (most, beyond): (f64, f64),
+    (most, finest): (f64, Finest),
     monitor: &dyn Monitor,
 ) -> Result<(BlockRefinement, Vec<f64>), String> {
     let at = |factor: f64, most: f64| -> Result<Vec<f64>, String> {
@@ -312,13 +328,12 @@ pub fn refine_in_plane(
     let mut levels: Vec<Vec<f64>> = Vec::new();
     let mut ended = None;
     for factor in FACTORS {
-        let is_deep = levels.len().checked_sub(1).is_some_and(|last| is_deep(FACTORS[last]));
-        if levels.len() >= DEEP_LEVELS && is_deep {
+        let suffices = levels.len().checked_sub(1).is_some_and(|last| is_deep(FACTORS[last]));
+        if levels.len() >= DEEP_LEVELS && suffices {
             break;
         }
-        let is_enough = levels.len() + 1 == DEEP_LEVELS && is_deep && !scene.is_raised();
-        let most_of_last = MAX_LAST_PRODUCTS[usize::from(beyond == 0.0)];
-        match at(factor, if is_enough { most.min(most_of_last) } else { most }) {
+        let is_spare = levels.len() + 1 == DEEP_LEVELS && suffices && !scene.is_raised();
+        match at(factor, if is_spare { most.min(finest.max_fourth_products) } else { most }) {
             Ok(level) => levels.push(level),
             Err(reason) => {
                 ended = Some(reason);
@@ -327,12 +342,12 @@ pub fn refine_in_plane(
         }
     }
     let [.., coarse, middle, fine] = &levels[..] else { return Err(ended.unwrap_or_else(|| UNKNOWN.to_owned())) };
-    let [of_last, of_tail] = FINEST_FACTORS[usize::from(levels.len() >= DEEP_LEVELS || beyond == 0.0)];
+    let [of_last, of_tail] = if levels.len() < DEEP_LEVELS { finest.of_three } else { FINEST_FACTORS };
     let left = |load: usize| {
         let differences @ [_, last] = [middle[load] - coarse[load], fine[load] - middle[load]];
         of_last * last.abs() + of_tail * tail(differences)
     };
-    let shift = |load: usize| fine[load] + beyond * (fine[load] - middle[load]) - levels[0][load];
+    let shift = |load: usize| fine[load] + finest.beyond * (fine[load] - middle[load]) - levels[0][load];
     let shifts = (0..fine.len()).map(shift).collect();
     let factor = FACTORS[levels.len() - 1];
     if !is_deep(factor) {
@@ -444,7 +459,7 @@ mod tests {
         let groove = samples::groove(60.0, 60.0, 20.0);
         let scene = samples::scene(groove, &[2.6], RunOptions::default());
         let dear = "steady cells in blocks of 10 um are too dear".to_owned();
-        assert_eq!(refine_in_plane(&scene, &groove, (1.0, 0.0), &Unwatched), Err(dear));
+        assert_eq!(refine_in_plane(&scene, &groove, (1.0, Finest::AS_SOLVED), &Unwatched), Err(dear));
         let found = BlockRefinement { factor: 0.125, shifts: vec![0.0], errors: vec![0.002] };
         assert_eq!(require_improvement(&[], found.clone(), 1.0, 10e-6), Err(UNKNOWN.to_owned()));
         let simulation = simulate(&scene, &Unwatched).unwrap();

@@ -18,7 +18,7 @@
 
 use crate::pattern::{Pattern, Planform};
 
-use super::blocks::{BlockRefinement, CANCELLED, MAX_PRODUCTS, refine_in_plane, with_block_factor};
+use super::blocks::{BlockRefinement, CANCELLED, Finest, MAX_PRODUCTS, refine_in_plane, with_block_factor};
 use super::space::MAX_ESTIMATED_BYTES;
 use crate::springblock::{Dimension, Monitor, Scene, SteadyCell};
 
@@ -115,7 +115,7 @@ fn refine_groove(
     let mut plane = Scene { pattern: Some(*groove), ..scene.clone() };
     plane.run.dimensions = Some(Dimension::Plane.number());
     // Edges along the sliding direction converge in another way: nothing is extrapolated.
-    refine_in_plane(&plane, groove, (most, 0.0), monitor)
+    refine_in_plane(&plane, groove, (most, Finest::AS_SOLVED), monitor)
 }
 
 /// Scales the refinement `found` of a groove with the ratios `of_groove` to cells with the ratios `own`, in proportion
