@@ -100,16 +100,34 @@ pub struct Found {
 }
 
 impl<'a> Search<'a> {
+    /// Creates the search for what is `asked`, with the predictors of its trials.
+    pub fn new(
+        (prepared, asked): (&'a PreparedTask, &'a Asked),
+        (models, inputs): (&'a Models<'a>, &'a Inputs<'a>),
+        (beyond, table): (&'a BeyondCells<'a>, &'a Table),
+        stage: &'a dyn Monitor,
+    ) -> Self {
+        let predictor = asked.learned.of_friction_at(&asked.loads, &asked.flat_shares);
+        let [of_lattices, of_ranking] = [SHARE_OF_LATTICES, SHARE_OF_RANKING].map(|share| predictor.likeliest(share));
+        Self {
+            prepared,
+            task: &prepared.task,
+            asked,
+            predictor,
+            of_lattices,
+            of_ranking,
+            models,
+            beyond,
+            table,
+            inputs,
+            stage,
+        }
+    }
+
     /// Creates the search by the same table for other trials, as of `asked`.
     pub fn asking(&self, asked: &'a Asked) -> Self {
-        let predictor = asked.learned.of_friction_at(&asked.loads, &asked.flat_shares);
-        Self {
-            asked,
-            of_lattices: predictor.likeliest(SHARE_OF_LATTICES),
-            of_ranking: predictor.likeliest(SHARE_OF_RANKING),
-            predictor,
-            ..self.clone()
-        }
+        let Self { prepared, models, inputs, beyond, table, stage, .. } = *self;
+        Self { task: self.task, ..Self::new((prepared, asked), (models, inputs), (beyond, table), stage) }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::cost_estimate::announce;
 use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::inputs::Inputs;
 use crate::prepared_task::PreparedTask;
-use crate::search::{SHARE_OF_LATTICES, SHARE_OF_RANKING, Search};
+use crate::search::Search;
 use crate::sensitivities::Models;
 use crate::steady_model::SteadyModel;
 use crate::table::Table;
@@ -74,20 +74,7 @@ pub fn with_table<T>(
     };
     let searching_s = monitor.seconds();
     let stage = budget.stage_of_share("search");
-    let predictor = asked.learned.of_friction_at(&asked.loads, &asked.flat_shares);
-    let search = Search {
-        prepared,
-        task,
-        of_lattices: predictor.likeliest(SHARE_OF_LATTICES),
-        of_ranking: predictor.likeliest(SHARE_OF_RANKING),
-        predictor,
-        asked: &asked,
-        models: &models,
-        beyond: &beyond,
-        table: &table,
-        inputs: &inputs,
-        stage: &stage,
-    };
+    let search = Search::new((prepared, &asked), (&models, &inputs), (&beyond, &table), &stage);
     timings.search = monitor.seconds() - searching_s;
     then(&search, timings)
 }

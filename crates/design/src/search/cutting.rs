@@ -31,7 +31,7 @@ impl Search<'_> {
         // In space a run takes seconds, and its ratio scatters with the drawn coefficients: only its peak pressure counts.
         let run = self.beyond.face.as_ref().filter(|_| in_plane || self.limits_peak()).and_then(|face| {
             let scene = confirming_scene(self.prepared, self.models.own, &pattern, false);
-            run_in_time(&scene, face, &Share::new(self.stage, 0.0)).ok()
+            run_in_time(&scene, face, &Share::new(self.stage, 0.0)).ok().map(Arc::new)
         });
         if let Some(run) = run.as_ref().filter(|_| in_plane)
             && let Some(by_run) = self.beyond.by_run(&cell.ratio, run)
@@ -69,10 +69,10 @@ impl Search<'_> {
 
     /// Adds `run` of the specimen to `texture`, and compares the higher of its peak pressure and that of the cell with the
     /// limits: the outer lands of a specimen carry a higher pressure than an infinite pattern, and stick-slip adds to it.
-    fn as_run(&self, texture: CutTexture, run: &Simulation) -> CutTexture {
+    fn as_run(&self, texture: CutTexture, run: &Arc<Simulation>) -> CutTexture {
         let of_run_mpa = PRESSURE_MPA.from_si(run.peak_pressure_pa());
         let texture = self.with_peak(texture, &|of_cell_mpa| of_run_mpa.max(of_cell_mpa));
-        CutTexture { known: Known::AsCut, run: Some(Arc::new(run.clone())), ..texture }
+        CutTexture { known: Known::AsCut, run: Some(Arc::clone(run)), ..texture }
     }
 
     /// Uncertainty from `effect`, an error common to all loads and conditions: `log` has its standard deviation of ln R at
