@@ -276,7 +276,8 @@ impl Explorer {
         // Smooth, unlike the time: depths are whole exposures, and widths take whole lines. A cavity narrower than the spot
         // has no line, and the number of one that fits.
         let spot_um = task.laser.spot_um.unwrap_or(0.0);
-        let log_time = |layout: &Layout, [width_um, spacing_um, depth_um]: [f64; 3]| {
+        let log_time = |layout: &Layout| {
+            let [width_um, spacing_um, depth_um] = layout.pattern().lengths_m().map(|m| LENGTH_UM.from_si(m));
             let log = |layout: &Layout| {
                 let (_, time_s_m2) = one_exposure(layout.pattern(), &task.laser)?;
                 let log = (exposure_time_s(layout, &task.laser)? / (time_s_m2? * layout.cavity_area_m2())).ln();
@@ -284,7 +285,7 @@ impl Explorer {
             };
             log(layout).or_else(|| log(&laid(&[width_um.max(spot_um), spacing_um, depth_um])?.1)).unwrap_or(0.0)
         };
-        let beside_of = |(share, layout): &(f64, Layout), run: Option<&Simulation>| {
+        let beside_of = |(share, layout): &(f64, Layout), log_time: f64, run: Option<&Simulation>| {
             let (pattern, density) = (layout.pattern(), layout.areal_density());
             let answer = search.table.answer(pattern)?;
             let peak_pa = run.map_or_else(|| answer.peak_pressure_pa(), Simulation::peak_pressure_pa);
@@ -292,19 +293,25 @@ impl Explorer {
                 PRESSURE_MPA.from_si(peak_pa).ln(),
                 answer.clearance_um.unwrap_or_else(|| LENGTH_UM.from_si(pattern.depth_m())),
                 answer.least_pressure,
-                log_time(layout, pattern.lengths_m().map(|m| LENGTH_UM.from_si(m))),
+                log_time,
                 density,
                 *share,
             ])
         };
-        let node = |(lengths_um, laid): (&[f64; 3], &Option<(f64, Layout)>)| {
+        // One exposure takes as long at every depth.
+        let depths = counts(&axes)[2];
+        let time_of =
+            |of: &[Option<(f64, Layout)>]| of.iter().flatten().next().map_or(0.0, |(_, layout)| log_time(layout));
+        let log_times: Vec<f64> = laid_nodes.par_chunks(depths).map(time_of).collect();
+        let node = |place: usize| {
+            let (lengths_um, laid) = (&nodes[place], laid_nodes[place].as_ref());
             let at = |node: usize| shares[0] + (shares[1] - shares[0]) * node as f64 / (log_odds_nodes - 1) as f64;
             let found = (0..log_odds_nodes).map(|node| predicted(lengths_um, at(node))).collect::<Option<Vec<_>>>()?;
             let quantiles = found.iter().step_by((log_odds_nodes - 1) / (quantile_nodes - 1)).flat_map(quantiles_of);
             let log_odds: Vec<f64> = found.iter().map(above).collect();
-            Some([quantiles.collect(), log_odds, beside_of(laid.as_ref()?, None)?.to_vec()].concat())
+            Some([quantiles.collect(), log_odds, beside_of(laid?, log_times[place / depths], None)?.to_vec()].concat())
         };
-        let answers: Vec<Option<Vec<f64>>> = nodes.par_iter().zip(&laid_nodes).map(node).collect();
+        let answers: Vec<Option<Vec<f64>>> = (0..nodes.len()).into_par_iter().map(node).collect();
         if search.stage.cancelled() {
             return None;
         }
@@ -323,7 +330,7 @@ impl Explorer {
         };
         let mut reported = quantiles_of(about);
         reported.push(above(about));
-        reported.extend(beside_of(&own, run).into_iter().flatten());
+        reported.extend(beside_of(&own, log_time(&own.1), run).into_iter().flatten());
         // The same for all cavity fractions.
         let missing = |numbers: &[f64]| {
             let off: Vec<f64> = reported.iter().zip(mixed(numbers)).map(|(reported, own)| reported - own).collect();
@@ -337,7 +344,7 @@ impl Explorer {
         let mut explorer = Self {
             expected,
             log_odds,
-            bands: bands.clone(),
+            bands,
             beside,
             shares,
             dimension,
