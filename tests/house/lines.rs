@@ -6,12 +6,12 @@ use crate::rooms::{code, root, sources};
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
     ("base", 1_670),
-    ("model", 14_815),
+    ("model", 14_820),
     ("surface", 10_275),
     ("traces", 3_150),
     ("laser", 4_560),
     ("infer", 5_735),
-    ("design", 6_985),
+    ("design", 6_995),
     ("io", 9_460),
     ("report", 7_175),
     ("validate", 2_740),
