@@ -51,25 +51,30 @@ pub struct Listed {
     kind: &'static str,
 }
 
+/// Kinds of files by path, with the size and time of change for which they were found.
+pub type Kinds = HashMap<PathBuf, ((u64, u64), &'static str)>;
+
 /// Lists the files of the folder.
 pub async fn list(State(shared): State<Arc<Shared>>) -> Answer<Value> {
     aside(move || {
         let root = Path::new(".").canonicalize().map_err(|error| Refused::system(Path::new("."), &error))?;
         let root = root.display().to_string();
-        Ok(json!({ "root": root, "version": VERSION, "files_at": shared.files_at, "files": files_below(Path::new("")) }))
+        let files = files_below(Path::new(""), &mut locked(&shared.kinds));
+        Ok(json!({ "root": root, "version": VERSION, "files_at": shared.files_at, "files": files }))
     })
     .await
 }
 
-/// Files below a folder, sorted by path, without hidden files and links.
-fn files_below(folder: &Path) -> Vec<Listed> {
+/// Files below a folder, sorted by path, without hidden files and links. Only files that changed since `kinds` were found
+/// are opened.
+fn files_below(folder: &Path, kinds: &mut Kinds) -> Vec<Listed> {
     let mut files = Vec::new();
-    add_files(folder, 0, &mut files);
+    add_files(folder, 0, (&mut files, kinds));
     files.sort_by(|a: &Listed, b| a.path.cmp(&b.path));
     files
 }
 
-fn add_files(folder: &Path, depth: usize, files: &mut Vec<Listed>) {
+fn add_files(folder: &Path, depth: usize, (files, kinds): (&mut Vec<Listed>, &mut Kinds)) {
     let opened = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     for entry in fs::read_dir(opened).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
@@ -79,11 +84,13 @@ fn add_files(folder: &Path, depth: usize, files: &mut Vec<Listed>) {
         }
         let path = folder.join(&name);
         if kind.is_dir() && depth < MAX_DEPTH && !SKIPPED.contains(&&name[..]) {
-            add_files(&path, depth + 1, files);
+            add_files(&path, depth + 1, (files, kinds));
         } else if let Some(metadata) = entry.metadata().ok().filter(|_| kind.is_file()) {
-            let kind = kind_of(&path, metadata.len());
-            let modified_ms = metadata.modified().map_or(0, milliseconds);
-            files.push(Listed { path: with_slashes(&path), bytes: metadata.len(), modified_ms, kind });
+            let own @ (bytes, modified_ms) = (metadata.len(), metadata.modified().map_or(0, milliseconds));
+            let known = kinds.get(&path).filter(|(of, _)| *of == own).map(|(_, kind)| *kind);
+            let kind = known.unwrap_or_else(|| kind_of(&path, bytes));
+            files.push(Listed { path: with_slashes(&path), bytes, modified_ms, kind });
+            kinds.insert(path, (own, kind));
         }
     }
 }
@@ -203,7 +210,7 @@ pub async fn zipped(Query(at): Query<At>) -> Result<Response, Refused> {
 }
 
 fn archive(folder: &Path) -> Result<Vec<u8>, Refused> {
-    let files = files_below(folder);
+    let files = files_below(folder, &mut Kinds::new());
     if files.is_empty() {
         return Err(Refused(StatusCode::NOT_FOUND, format!("{} has no files", folder.display())));
     }
@@ -229,7 +236,9 @@ pub async fn watch(shared: Arc<Shared>) {
         if !shared.jobs.is_watched() {
             continue;
         }
-        let Ok(now) = tokio::task::spawn_blocking(|| files_below(Path::new(""))).await else { continue };
+        let own = Arc::clone(&shared);
+        let look = move || files_below(Path::new(""), &mut locked(&own.kinds));
+        let Ok(now) = tokio::task::spawn_blocking(look).await else { continue };
         if known.as_ref() == Some(&now) {
             continue;
         }
@@ -243,5 +252,26 @@ pub async fn watch(shared: Arc<Shared>) {
         // Also at the first look: a file may have changed since a page read the folder.
         shared.jobs.tell("folder", || json!({}));
         known = Some(now);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_files_that_changed_are_opened() {
+        let folder = std::env::temp_dir().join(format!("slipgrid-kinds-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("a.json");
+        fs::write(&path, "{}").unwrap();
+        let mut kinds = Kinds::new();
+        let kind = |kinds: &mut Kinds| files_below(&folder, kinds)[0].kind;
+        assert_eq!(kind(&mut kinds), "other");
+        kinds.get_mut(&path).unwrap().1 = "known";
+        assert_eq!(kind(&mut kinds), "known");
+        fs::write(&path, "{ }").unwrap();
+        assert_eq!(kind(&mut kinds), "other");
+        fs::remove_dir_all(&folder).unwrap();
     }
 }

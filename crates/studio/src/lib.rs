@@ -86,6 +86,7 @@ struct Shared {
     files_at: String,
     /// When files were noticed that came with an older time, as copies do, by path.
     came: Mutex<HashMap<String, SystemTime>>,
+    kinds: Mutex<folder::Kinds>,
 }
 
 /// Serves the page for the current folder at a free port of this computer, until `stop` returns true. `ready` gets the
@@ -99,8 +100,9 @@ pub fn serve(program: Program, ready: impl FnOnce(&str), stop: impl Fn() -> bool
     listener.set_nonblocking(true)?;
     let guard = Guard::new(listener.local_addr()?.port())?;
     let address = guard.address();
-    let (explored, came) = (exploring::Known::default(), Mutex::default());
-    let shared = Arc::new(Shared { jobs: Jobs::new(), explored, files_at: guard.files_at(), came });
+    let (explored, files_at) = (exploring::Known::default(), guard.files_at());
+    let (came, kinds) = (Mutex::default(), Mutex::default());
+    let shared = Arc::new(Shared { jobs: Jobs::new(), explored, files_at, came, kinds });
     let computing = rayon::ThreadPoolBuilder::new().num_threads(program.threads).build()?;
     let own = Arc::clone(&shared);
     // Computing ends with the process: a job notices its cancelling between two steps.
