@@ -73,8 +73,8 @@ impl Laser {
     /// Checks each parameter, and that the distances of lines and of pulses do not exceed the spot.
     ///
     /// # Errors
-    /// [`ExportError::BeyondLaser`] if lines are farther apart than the spot is wide or nearer than a thousandth of it; [`ExportError::PulsesApart`] if
-    /// pulses are farther apart; [`ExportError::Refused`] for other numbers out of range.
+    /// [`ExportError::BeyondLaser`] if lines are farther apart than the spot is wide or nearer than a thousandth of it;
+    /// [`ExportError::PulsesApart`] if pulses are farther apart; [`ExportError::Refused`] for other numbers out of range.
     pub fn validate(&self) -> Result<(), ExportError> {
         all_positive([
             ("wavelength_nm", self.wavelength_nm),
