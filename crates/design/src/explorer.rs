@@ -16,7 +16,7 @@ use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Dimension, Load, Simulation};
 
 use crate::DesignError;
-use crate::prediction::{Prediction, chance_of};
+use crate::prediction::Prediction;
 use crate::prepared_task::PreparedTask;
 use crate::search::Search;
 use crate::session::with_table;
@@ -53,10 +53,10 @@ pub struct Explorer {
     /// all loads of all conditions, then lower ends of the 95 % intervals of samples, then upper ends; all for the first
     /// of [`Self::quantile_nodes`] evenly spaced cavity fractions between `shares`, then all for the next.
     pub expected: ResponseSurface,
-    /// Interpolated log odds ln(p / (1 - p)), p the chance that a sample is on target, above those that
-    /// [`rough_log_odds`] makes of medians and intervals, for evenly spaced cavity fractions between `shares`. The
-    /// difference is small and smooth, while log odds fall steeply from node to node.
-    pub log_odds: ResponseSurface,
+    /// Interpolated [`soft_odds`] of the chance that a sample is on target, above those that [`rough_odds`] makes of
+    /// medians and intervals, for evenly spaced cavity fractions between `shares`; then the [`core`] of the distribution.
+    /// The difference is small and smooth, while chances fall steeply from node to node.
+    pub odds: ResponseSurface,
     /// Lowest and highest accepted value at each load of the first condition, in the quantity of the target.
     pub bands: Vec<[Option<f64>; 2]>,
     /// Six interpolated values: logarithm of the maximum local pressure in MPa, minimum height of a cavity's ceiling
@@ -141,7 +141,7 @@ impl Explored {
         let pattern = self.task.space.pattern(lengths_um.map(|um| LENGTH_UM.to_si(um))).ok()?;
         let layout = self.task.specimen.layout(pattern).ok()?;
         let points = self.task.target.points();
-        let (all, log_odds) = self.explorer.sample(&layout);
+        let (all, chance) = self.explorer.sample(&layout);
         // Medians of every load of every condition, then the lower ends, then the upper ends.
         let part = |number: usize| all[number * all.len() / 3..][..points.len()].to_vec();
         let has_demand = points.iter().any(|point| point.wanted.band().iter().any(Option::is_some));
@@ -150,7 +150,7 @@ impl Explored {
             expected: part(0),
             lower_95: part(1),
             upper_95: part(2),
-            chance: has_demand.then(|| chance_of(log_odds)),
+            chance: has_demand.then_some(chance),
             peak_pressure_mpa: beside[0].exp(),
             clearance_um: beside[1],
             areal_density: layout.areal_density(),
@@ -223,17 +223,19 @@ impl Explorer {
 
     /// Number of cavity fractions between which medians and ends of intervals are interpolated.
     pub fn quantile_nodes(&self) -> usize {
-        self.log_odds.outputs().min(3)
+        (self.odds.outputs() - 1).min(3)
     }
 
-    /// Medians and ends of 95 % intervals as in [`Self::expected`], and log odds, of samples laid out as in `layout`.
+    /// Medians and ends of 95 % intervals as in [`Self::expected`], and the chance, of samples laid out as in `layout`.
     pub fn sample(&self, layout: &Layout) -> (Vec<f64>, f64) {
         let lengths_um = layout.pattern().lengths_m().map(|m| LENGTH_UM.from_si(m));
         let share = Laid::from_layout(layout, self.dimension).share(layout.pattern());
-        let at = |surface: &ResponseSurface, outputs| between(&surface.at(&lengths_um), outputs, self.shares, share);
-        let expected = at(&self.expected, self.quantile_nodes());
-        let log_odds = at(&self.log_odds, self.log_odds.outputs())[0] + rough_log_odds(&self.bands, &expected);
-        (expected, log_odds)
+        let expected = between(&self.expected.at(&lengths_um), self.quantile_nodes(), self.shares, share);
+        let mut above = self.odds.at(&lengths_um);
+        let core = above.pop().unwrap_or(NORMAL_CORE);
+        let above = between(&above, above.len(), self.shares, share)[0];
+        let chance = chance_of(above + rough_odds(&self.bands, &expected, core));
+        (expected, chance)
     }
 
     /// Builds the explorer from the table of `search`, corrected by the table's error at the texture of `about`, and
@@ -259,8 +261,8 @@ impl Explorer {
         let shares = [from, to.max(from + SAME_SHARE)];
         // One prediction for each half of the range, or several for each.
         let halves = ((to - from) / (2.0 * SHARE_STEP)).ceil() as usize;
-        let log_odds_nodes = if to - from < SHARE_STEP { 2 } else { 1 + 2 * halves.min(MAX_SHARES / 2) };
-        let quantile_nodes = log_odds_nodes.min(3);
+        let odds_nodes = if to - from < SHARE_STEP { 2 } else { 1 + 2 * halves.min(MAX_SHARES / 2) };
+        let quantile_nodes = odds_nodes.min(3);
         let predicted = |lengths_um: &[f64; 3], share: f64| {
             let pattern = pattern(lengths_um).filter(|_| !search.stage.cancelled())?;
             let laid = Laid::of_share(share, &pattern, dimension);
@@ -272,7 +274,8 @@ impl Explorer {
             [0.5, 0.025, 0.975].into_iter().flat_map(|p| (0..loads).map(move |load| at(load, p))).collect()
         };
         let bands: Vec<[Option<f64>; 2]> = task.target.points().iter().map(|point| point.wanted.band()).collect();
-        let above = |found: &Prediction| found.log_odds() - rough_log_odds(&bands, &quantiles_of(found));
+        let above =
+            |found: &Prediction, core: f64| soft_odds(found.chance()) - rough_odds(&bands, &quantiles_of(found), core);
         // Smooth, unlike the time: depths are whole exposures, and widths take whole lines. A cavity narrower than the spot
         // has no line, and the number of one that fits.
         let spot_um = task.laser.spot_um.unwrap_or(0.0);
@@ -305,45 +308,43 @@ impl Explorer {
         let log_times: Vec<f64> = laid_nodes.par_chunks(depths).map(time_of).collect();
         let node = |place: usize| {
             let (lengths_um, laid) = (&nodes[place], laid_nodes[place].as_ref());
-            let at = |node: usize| shares[0] + (shares[1] - shares[0]) * node as f64 / (log_odds_nodes - 1) as f64;
-            let found = (0..log_odds_nodes).map(|node| predicted(lengths_um, at(node))).collect::<Option<Vec<_>>>()?;
-            let quantiles = found.iter().step_by((log_odds_nodes - 1) / (quantile_nodes - 1)).flat_map(quantiles_of);
-            let log_odds: Vec<f64> = found.iter().map(above).collect();
-            Some([quantiles.collect(), log_odds, beside_of(laid?, log_times[place / depths], None)?.to_vec()].concat())
+            let at = |node: usize| shares[0] + (shares[1] - shares[0]) * node as f64 / (odds_nodes - 1) as f64;
+            let found = (0..odds_nodes).map(|node| predicted(lengths_um, at(node))).collect::<Option<Vec<_>>>()?;
+            let quantiles = found.iter().step_by((odds_nodes - 1) / (quantile_nodes - 1)).flat_map(quantiles_of);
+            let core = core(&found[odds_nodes / 2], bands.len());
+            let odds: Vec<f64> = found.iter().map(|found| above(found, core)).chain([core]).collect();
+            Some([quantiles.collect(), odds, beside_of(laid?, log_times[place / depths], None)?.to_vec()].concat())
         };
         let answers: Vec<Option<Vec<f64>>> = (0..nodes.len()).into_par_iter().map(node).collect();
         if search.stage.cancelled() {
             return None;
         }
         let (all, holes) = filled(answers, counts(&axes))?;
-        let ends = [3 * loads * quantile_nodes, 3 * loads * quantile_nodes + log_odds_nodes];
+        let ends = [3 * loads * quantile_nodes, 3 * loads * quantile_nodes + odds_nodes + 1];
         let own = laid(&about.texture.pattern.lengths_m().map(|m| LENGTH_UM.from_si(m)))?;
         let mixed = |numbers: &[f64]| {
             let (quantiles, rest) = numbers.split_at(ends[0]);
-            let (log_odds, beside) = rest.split_at(log_odds_nodes);
-            [
-                &between(quantiles, quantile_nodes, shares, own.0)[..],
-                &between(log_odds, log_odds_nodes, shares, own.0),
-                beside,
-            ]
-            .concat()
+            let (odds, beside) = rest.split_at(odds_nodes);
+            [&between(quantiles, quantile_nodes, shares, own.0)[..], &between(odds, odds_nodes, shares, own.0), beside]
+                .concat()
         };
         let mut reported = quantiles_of(about);
-        reported.push(above(about));
+        let own_core = core(about, bands.len());
+        reported.extend([above(about, own_core), own_core]);
         reported.extend(beside_of(&own, log_time(&own.1), run).into_iter().flatten());
         // The same for all cavity fractions.
         let missing = |numbers: &[f64]| {
             let off: Vec<f64> = reported.iter().zip(mixed(numbers)).map(|(reported, own)| reported - own).collect();
             let (quantiles, rest) = off.split_at(3 * loads);
-            [&quantiles.repeat(quantile_nodes)[..], &vec![rest[0]; log_odds_nodes], &rest[1..]].concat()
+            [&quantiles.repeat(quantile_nodes)[..], &vec![rest[0]; odds_nodes], &rest[1..]].concat()
         };
         let all = self_consistent(all, &axes, (&nodes, &holes), about, &missing);
-        let [expected, log_odds, beside] =
+        let [expected, odds, beside] =
             [0..ends[0], ends[0]..ends[1], ends[1]..ends[1] + BESIDE].map(|of| surface(&axes, &all, of));
         let checks = random_places(&axes, CHECKS, 2);
         let mut explorer = Self {
             expected,
-            log_odds,
+            odds,
             bands,
             beside,
             shares,
@@ -370,29 +371,64 @@ impl Explorer {
     }
 }
 
-/// Log odds that samples lie within `bands`, lowest and highest values at each of the first loads, at the load where this
-/// is least likely and nearly so elsewhere: by medians, lower and upper ends of 95 % intervals at all loads, which
-/// `quantiles` holds one after the other. 0 without bands.
+/// Softening of [`soft_odds`]: chances below it, far from the target, are interpolated like numbers near zero.
+const SOFTENED: f64 = 0.01;
+
+/// Softened log odds ln((p + e) / (1 - p + e)) of the chance `p`, finite for chances of 0 and 1; e = [`SOFTENED`].
+fn soft_odds(p: f64) -> f64 {
+    ((p + SOFTENED) / (1.0 - p + SOFTENED)).ln()
+}
+
+/// Chance of the softened log odds `odds`; the page repeats the formula.
+fn chance_of(odds: f64) -> f64 {
+    let of = odds.exp();
+    (((1.0 + SOFTENED) * of - SOFTENED) / (1.0 + of)).clamp(0.0, 1.0)
+}
+
+/// Standard score of the upper quartile of a normal distribution, and of the upper end of its 95 % interval.
+const SCORES: [f64; 2] = [0.6745, 1.96];
+/// [`core`] of a normal distribution.
+const NORMAL_CORE: f64 = SCORES[0] / SCORES[1];
+
+/// Distance of the quartiles of samples over the width of their 95 % interval, in the logarithm, mean of the first
+/// `count` loads: below [`NORMAL_CORE`], as few samples are far off.
+fn core(found: &Prediction, count: usize) -> f64 {
+    let width = |load: usize, [low, high]: [f64; 2]| (found.quantile(load, high) / found.quantile(load, low)).ln();
+    let share = |load: usize| width(load, [0.25, 0.75]) / width(load, [0.025, 0.975]).max(1e-3);
+    (0..count).map(share).sum::<f64>() / count as f64
+}
+
+/// [`soft_odds`] of the chance that samples lie within `bands`, lowest and highest values at each of the first loads, if
+/// the ratios at all loads are off together: by medians, lower and upper ends of 95 % intervals at all loads, which
+/// `quantiles` holds one after the other, and by their [`core`].
 ///
-/// The page repeats the formula. With the distribution function F of a logistic variable that is nearly normal,
+/// The page repeats the formula. The distance u of a value from the median, over that of the end of the interval in
+/// the logarithm, has the standard score z. The distribution function F is logistic, nearly normal. Of the chances at 60
+/// random textures near a design of squares with one trial, normal distributions would leave 0.05 in the mean, these
+/// 0.015 (`an_explorer_says_what_the_search_does_of_every_texture`).
 ///
 /// ```text
-/// p_i = F(highest) - F(lowest),   ln(p / (1 - p)) = -ln sum_i (1 - p_i) / p_i
+/// u = a z + b z^3 with u = core at z = 0.6745 and u = 1 at z = 1.96,   p = F(min z_highest) - F(max z_lowest)
 /// ```
-fn rough_log_odds(bands: &[[Option<f64>; 2]], quantiles: &[f64]) -> f64 {
-    const LEAST: f64 = 1e-9;
-    let inverse = |(load, [lowest, highest]): (usize, &[Option<f64>; 2])| {
+fn rough_odds(bands: &[[Option<f64>; 2]], quantiles: &[f64], core: f64) -> f64 {
+    let [inner, outer] = SCORES;
+    let core = core.clamp(0.1, 0.999 * NORMAL_CORE);
+    let b = (1.0 / outer - core / inner) / (outer * outer - inner * inner);
+    let a = core / inner - b * inner * inner;
+    let scale = (a / (3.0 * b)).sqrt();
+    let (mut lowest, mut highest) = (f64::NEG_INFINITY, f64::INFINITY);
+    for (load, band) in bands.iter().enumerate() {
         let [median, lower, upper] = [0, 1, 2].map(|part| quantiles[part * quantiles.len() / 3 + load].max(1e-3));
-        let below = |value: f64| {
-            let std = ((if value > median { upper } else { lower } / median).ln().abs() / 1.96).max(1e-3);
-            1.0 / (1.0 + (-1.702 * (value / median).ln() / std).exp())
+        let score = |value: f64| {
+            let off = (value / median).ln();
+            let end = (if off > 0.0 { upper } else { lower } / median).ln().abs().max(2e-3);
+            2.0 * scale * ((1.5 * off / (end * a * scale)).asinh() / 3.0).sinh()
         };
-        let within = highest.map_or(1.0, below) - lowest.map_or(0.0, below);
-        let chance = within.clamp(LEAST, 1.0 - LEAST);
-        (1.0 - chance) / chance
-    };
-    let sum: f64 = bands.iter().enumerate().filter(|(_, band)| band.iter().any(Option::is_some)).map(inverse).sum();
-    if sum > 0.0 { -sum.ln() } else { 0.0 }
+        lowest = band[0].map_or(lowest, |value| lowest.max(score(value)));
+        highest = band[1].map_or(highest, |value| highest.min(score(value)));
+    }
+    let below = |z: f64| 1.0 / (1.0 + (-1.702 * z).exp());
+    soft_odds((below(highest) - below(lowest)).clamp(0.0, 1.0))
 }
 
 /// Interpolates outputs at `share` by the polynomial through their `values` at `nodes` evenly spaced cavity fractions

@@ -17,9 +17,6 @@ pub const MEASURED_STD: f64 = 0.01;
 /// Demands besides a goal count as met if the chance is at least this: a sample meets them more likely than not.
 const KEPT: f64 = 0.5;
 
-/// Chances are limited to this distance from 0 and 1 for their log odds.
-const MIN_CHANCE: f64 = 1e-4;
-
 /// Prediction of a cut sample of one texture: the joint distribution of its ratio at all loads and conditions, given the
 /// errors of the model, the material, the trials and manufacturing.
 #[derive(Clone, Debug)]
@@ -58,12 +55,6 @@ impl Prediction {
     /// Probability that a cut sample is on target at all loads and conditions; 1 if nothing is demanded.
     pub fn chance(&self) -> f64 {
         self.score.chance
-    }
-
-    /// Log odds ln(p / (1 - p)) of the chance p, which are interpolated in place of the chance.
-    pub fn log_odds(&self) -> f64 {
-        let chance = self.chance().clamp(MIN_CHANCE, 1.0 - MIN_CHANCE);
-        (chance / (1.0 - chance)).ln()
     }
 
     /// Score for the ranking of textures: the chance plus a small weight of the closeness to the target; with a goal,
@@ -255,11 +246,6 @@ impl Prediction {
         let limited_by = self.limited_by(search.asked, &search.predictor, search.prepared.modulus_std());
         SampleReport { limited_by, ..self.report(search) }
     }
-}
-
-/// Chance p of the log odds ln(p / (1 - p)).
-pub fn chance_of(log_odds: f64) -> f64 {
-    1.0 / (1.0 + (-log_odds).exp())
 }
 
 /// Sample that could be cut, with its prediction; `optimize` and `next` use the same fields.

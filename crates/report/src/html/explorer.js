@@ -56,11 +56,11 @@
     return { at, plane };
   };
   const axes = data.axes, loads = data.pressure_mpa.length;
-  // Medians at every load of every condition; the ends of 95 % of samples at the loads of the first; ln(p / (1 - p)) of the chance p above `roughly`,
-  // each for some shares of the face over the share of a period; ln of the largest pressure, least height of a ceiling, least local over nominal pressure, ln of the
+  // Medians at every load of every condition; the ends of 95 % of samples at the loads of the first; softened odds of the chance above `roughly`,
+  // each for some shares of the face over the share of a period; distance of the quartiles over the width of 95 % of samples; ln of the largest pressure, least height of a ceiling, least local over nominal pressure, ln of the
   // seconds of an exposure over those of `once`; where cavities are not counted, the share of the face, too, and its quotient with that of a period.
   const medians = surface(data.medians, axes), lower = surface(data.lower, axes), upper = surface(data.upper, axes);
-  const logOdds = surface(data.log_odds, axes), beside = surface(data.beside, axes);
+  const odds = surface(data.odds, axes), beside = surface(data.beside, axes);
   const all_loads = data.medians.length / data.share_nodes, BESIDE = data.beside.length;
   // `count` outputs at a share: the polynomial through those at `nodes` shares, from `start` on, all of the first share first.
   const atShare = (values, start, count, nodes, share) => {
@@ -72,7 +72,7 @@
     }
     return found;
   };
-  const oddsNodes = data.log_odds.length, medianNodes = data.share_nodes;
+  const oddsNodes = data.odds.length - 1, medianNodes = data.share_nodes;
   const face = data.face;
   // Share of the face that is cavity, and its quotient with that of a period, by the complete cavities that fit on the specimen.
   const laid = ([w, s]) => {
@@ -116,20 +116,29 @@
   // Why a design between these nodes has no answer, in words; null where it has one.
   const gapOf = (nodes, { height, share }) => share === 0 ? "the specimen takes no cavity of this design: no answer" : isBesideHole(nodes) ? "the model finds no answer near this design" : height <= 0 ? "the cavity closes under the load: no answer" : null;
   const isWithin = (value, load) => (data.lowest[load % loads] === null || value >= data.lowest[load % loads]) && (data.highest[load % loads] === null || value <= data.highest[load % loads]);
-  // Log odds by medians and intervals alone, as where the nodes were computed: a logistic distribution about each median, and the sum of inverse odds.
-  const roughly = (values, low, high) => {
-    let sum = 0;
+  // Softened log odds of a chance, and back. By medians and intervals alone, as where the nodes were computed: u = a z + b z^3 is the distance from the median
+  // over that of the interval's end, for the standard score z, and all loads are off together.
+  const SOFTENED = 0.01;
+  const softOdds = p => Math.log((p + SOFTENED) / (1 - p + SOFTENED));
+  const chanceOf = odds => Math.min(Math.max(((1 + SOFTENED) * Math.exp(odds) - SOFTENED) / (1 + Math.exp(odds)), 0), 1);
+  const roughly = (values, low, high, share) => {
+    const [inner, outer] = [0.6745, 1.96], core = Math.min(Math.max(share, 0.1), 0.999 * inner / outer);
+    const b = (1 / outer - core / inner) / (outer ** 2 - inner ** 2), a = core / inner - b * inner ** 2, scale = Math.sqrt(a / (3 * b));
+    let [lowest, highest] = [-Infinity, Infinity];
     for (let load = 0; load < loads; load++) {
-      const lowest = data.lowest[load], highest = data.highest[load];
-      if (lowest === null && highest === null) continue;
       const [median, lower, upper] = [values, low, high].map(own => Math.max(own[load], 1e-3));
-      const below = value => 1 / (1 + Math.exp(-1.702 * Math.log(value / median) / Math.max(Math.abs(Math.log((value > median ? upper : lower) / median)) / 1.96, 1e-3)));
-      const chance = Math.min(Math.max((highest === null ? 1 : below(highest)) - (lowest === null ? 0 : below(lowest)), 1e-9), 1 - 1e-9);
-      sum += (1 - chance) / chance;
+      const score = value => {
+        const off = Math.log(value / median), end = Math.max(Math.abs(Math.log((off > 0 ? upper : lower) / median)), 2e-3);
+        return 2 * scale * Math.sinh(Math.asinh(1.5 * off / (end * a * scale)) / 3);
+      };
+      if (data.lowest[load] !== null) lowest = Math.max(lowest, score(data.lowest[load]));
+      if (data.highest[load] !== null) highest = Math.min(highest, score(data.highest[load]));
     }
-    return sum > 0 ? -Math.log(sum) : 0;
+    const below = z => 1 / (1 + Math.exp(-1.702 * z));
+    return softOdds(Math.max(below(highest) - below(lowest), 0));
   };
-  const chanceOf = odds => 1 / (1 + Math.exp(-odds));
+  // Softened odds from the outputs `values` of `odds`, from `start` on, at `share`.
+  const oddsAt = (values, start, share, expected, low, high) => atShare(values, start, 1, oddsNodes, share)[0] + roughly(expected, low, high, values[start + oddsNodes]);
 
   const round = (value, step) => Math.round(value / step) * step;
   // Depth of one exposure in µm, and its seconds on a face that is all cavity, at the nearest of evenly spaced widths.
@@ -152,7 +161,7 @@
     const own = readBeside(beside.at(at), 0, { at }), of = (surface, count, nodes) => atShare(surface.at(at), 0, count, nodes, own.share);
     const values = of(medians, all_loads, medianNodes), [low, high] = [lower, upper].map(ends => of(ends, loads, medianNodes));
     return {
-      ...own, values, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), own), chance: chanceOf(of(logOdds, 1, oddsNodes)[0] + roughly(values, low, high)),
+      ...own, values, gap: gapOf(axes.map((axis, k) => around(axis, at[k])), own), chance: chanceOf(oddsAt(odds.at(at), 0, own.share, values, low, high)),
       lower: low, upper: high, isOn: values.every(isWithin),
     };
   };
@@ -291,7 +300,7 @@
       const hs = Array.from({ length: COLUMNS }, (_, column) => lengthAt(h, (column + 0.5) / COLUMNS));
       const vs = Array.from({ length: ROWS }, (_, row) => lengthAt(v, 1 - (row + 0.5) / ROWS));
       const [values, sides] = [medians, beside].map(own => own.plane(state, h, v, hs, vs));
-      const [odds, lows, highs] = [logOdds, lower, upper].map(own => hasTarget ? own.plane(state, h, v, hs, vs) : null);
+      const [chances, lows, highs] = [odds, lower, upper].map(own => hasTarget ? own.plane(state, h, v, hs, vs) : null);
       image = context.createImageData(map.width, map.height);
       const at = state.slice(), nodes = axes.map((axis, k) => around(axis, state[k])), told = new Set();
       const [columns, rows] = [[h, hs], [v, vs]].map(([k, lengths]) => lengths.map(length => around(axes[k], length)));
@@ -312,7 +321,7 @@
       for (let cell = 0; cell < cells; cell++) {
         if (gaps[cell]) continue;
         const { share } = owns[cell], end = ends => atShare(ends, cell * medianNodes * loads, loads, medianNodes, share);
-        rank[cell] = hasTarget ? atShare(odds, cell * oddsNodes, 1, oddsNodes, share)[0] + roughly(expected[cell], end(lows), end(highs)) : -between(expected[cell], pressure);
+        rank[cell] = hasTarget ? oddsAt(chances, cell * (oddsNodes + 1), share, expected[cell], end(lows), end(highs)) : -between(expected[cell], pressure);
         least = Math.min(least, rank[cell]);
         most = Math.max(most, rank[cell]);
       }

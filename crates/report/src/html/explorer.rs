@@ -45,8 +45,8 @@ struct Data {
     lower: Packed,
     /// Upper end of the 95 % interval of samples at each load of the design condition.
     upper: Packed,
-    /// Logit ln(p / (1 - p)) of the chance p that a sample is on target.
-    log_odds: Packed,
+    /// Outputs as of [`Explorer::odds`].
+    odds: Packed,
     /// Outputs as of [`Explorer::beside`]; the last two only without `face`.
     beside: Packed,
     /// Indices of the nodes of the surfaces at which the model gives no result.
@@ -146,7 +146,7 @@ impl Subject<'_> {
             medians: of(0, loads / count),
             lower: of(1, 1),
             upper: of(2, 1),
-            log_odds: Packed::new(&explorer.log_odds, 0..explorer.log_odds.outputs()),
+            odds: Packed::new(&explorer.odds, 0..explorer.odds.outputs()),
             beside: Packed::new(&explorer.beside, 0..explorer.beside.outputs() - if face.is_some() { 2 } else { 0 }),
             shares: explorer.shares,
             share_nodes: nodes,
