@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use slipgrid_base::monitor::Monitor;
 use slipgrid_base::statistics::{Axis, ResponseSurface, extremes, median};
 use slipgrid_base::units::{LENGTH_UM, PRESSURE_MPA, tidy};
-use slipgrid_laser::export::{Laser, Layout, exposure_time_s, one_exposure};
+use slipgrid_laser::export::{Layout, exposure_time_s, one_exposure};
 use slipgrid_laser::specimen::Laid;
 use slipgrid_model::pattern::Pattern;
 use slipgrid_model::springblock::{Dimension, Load, Simulation};
@@ -120,6 +120,9 @@ pub struct ExploredTexture {
     pub clearance_um: f64,
     /// Share of the face that is cavity.
     pub areal_density: f64,
+    /// Number of whole passes or bursts nearest to the depth, and the depth that they make in micrometres; `None` if the
+    /// laser's depth is unknown.
+    pub exposures: Option<(f64, f64)>,
     /// Time under the laser, in seconds; `None` if it is unknown.
     pub laser_s: Option<f64>,
 }
@@ -146,6 +149,8 @@ impl Explored {
         let part = |number: usize| all[number * all.len() / 3..][..points.len()].to_vec();
         let has_demand = points.iter().any(|point| point.wanted.band().iter().any(Option::is_some));
         let beside = beside.at(&lengths_um);
+        let exposed = one_exposure(layout.pattern(), &self.task.laser)
+            .map(|(each_um, time_s_m2)| ((lengths_um[2] / each_um).round().max(1.0), each_um, time_s_m2));
         Some(ExploredTexture {
             expected: part(0),
             lower_95: part(1),
@@ -154,7 +159,9 @@ impl Explored {
             peak_pressure_mpa: beside[0].exp(),
             clearance_um: beside[1],
             areal_density: layout.areal_density(),
-            laser_s: time_under(&self.task.laser, &layout, beside[3]),
+            exposures: exposed.map(|(count, each_um, _)| (count, count * each_um)),
+            laser_s: exposed
+                .and_then(|(count, _, time_s_m2)| Some(count * time_s_m2? * layout.cavity_area_m2() * beside[3].exp())),
         })
     }
 
@@ -162,14 +169,6 @@ impl Explored {
     pub fn doubts(&self) -> Vec<String> {
         self.beyond_measured.clone().into_iter().chain(material_doubts(&self.material.material.provenance)).collect()
     }
-}
-
-/// Time under the `laser` of whole exposures of all cavities of `layout`, in seconds. `log` is the logarithm of the time
-/// of one exposure over the area of the cavities and the time of [`one_exposure`].
-fn time_under(laser: &Laser, layout: &Layout, log: f64) -> Option<f64> {
-    let (depth_um, time_s_m2) = one_exposure(layout.pattern(), laser)?;
-    let exposures = (LENGTH_UM.from_si(layout.pattern().depth_m()) / depth_um).round().max(1.0);
-    Some(exposures * time_s_m2? * layout.cavity_area_m2() * log.exp())
 }
 
 /// Computes predictions for all designs within the bounds of `task`, by interpolation of the model.

@@ -171,7 +171,7 @@ impl TableKind {
         let is_data = |line: &&str| !line.trim().is_empty() && !line.trim_start_matches([' ', '"']).starts_with('#');
         let header = start.trim_start_matches('\u{feff}').lines().find(is_data)?;
         let titles: Vec<&str> = cut(header, separator(header).unwrap_or(',')).into_iter().map(unquoted).collect();
-        if ["force_n", "mu_dynamic"].iter().all(|title| titles.contains(title)) {
+        if titles.contains(&"force_n") && titles.iter().any(|title| ["mu", "mu_dynamic"].contains(title)) {
             return Some(Self::Friction);
         }
         // What a map does not state can be given as options.
@@ -226,7 +226,9 @@ mod tests {
         }
         let friction =
             "# flat samples\nforce_n;speed_mm_s;humidity_pct;mu_dynamic;mu_dynamic_std\n50;2;15;0,248;0,002\n";
-        assert_eq!(TableKind::of(friction), Some(TableKind::Friction));
+        for table in [friction, "force_n,speed_mm_s,humidity_pct,mu\n50,2,15,0.248\n"] {
+            assert_eq!(TableKind::of(table), Some(TableKind::Friction), "{table}");
+        }
         for rows in [100, 20_000] {
             for none in [format!("time [s];Fx [N];Fz [N]\n{}", trace(rows)), trace(rows)] {
                 assert_eq!(TableKind::of(&none), None, "{}", &none[..40]);

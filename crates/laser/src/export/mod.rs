@@ -105,7 +105,7 @@ pub(crate) use number::{
 pub use outline::Outline;
 pub(crate) use outline::left_of;
 pub use process::{MadeBy, MaterialNote, PatternSheet, ProcessInput, ProcessSheet, Tolerances, not_modelled};
-pub use removal::{Removal, burst_warnings, laser_warnings};
+pub use removal::{Removal, burst_warnings, depth_within_um, laser_warnings};
 pub use sector_sheet::{DividedSheet, MEASURE_EACH_ALONE, SectorSheet, SectorsSheet};
 pub use sectors::{Division, MAX_SECTORS, MIN_PERIODS, Sector};
 pub use specimen::{AT_THE_RIM, Specimen};

@@ -70,6 +70,12 @@ pub struct Removal {
     pub warnings: Vec<String>,
 }
 
+/// Largest difference of the depth that whole exposures make from `design_um` that counts as none: 5 % or `std_um`, the
+/// standard deviation of the depth that the design assumes, whichever is less.
+pub fn depth_within_um(design_um: f64, std_um: Option<f64>) -> f64 {
+    (WARNED_DEVIATION * design_um).min(std_um.unwrap_or(f64::INFINITY))
+}
+
 impl Removal {
     /// Computes the removal for all cavities of `layout`; `None` if bursts on spots or a mask give the depth, or if
     /// laser parameters are missing.
@@ -82,8 +88,7 @@ impl Removal {
     /// standard deviation of the depth that the design assumes, and which speed makes it; `None` if they do not.
     pub fn wrong_depth(&self, [design_um, speed_mm_s]: [f64; 2], std_um: Option<f64>) -> Option<String> {
         let share = self.depth_um / design_um - 1.0;
-        let is_far =
-            share.abs() > WARNED_DEVIATION || std_um.is_some_and(|std| (self.depth_um - design_um).abs() > std);
+        let is_far = (self.depth_um - design_um).abs() > depth_within_um(design_um, std_um);
         let how = self.speed_for_depth_mm_s.map_or_else(
             || "a lower fluence makes passes finer".to_owned(),
             |speed| format!("{} mm/s instead of {speed_mm_s} makes it right", decimal(speed, 1)),

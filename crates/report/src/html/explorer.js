@@ -401,12 +401,14 @@
     value("interval", () => [shown.lower, shown.upper].map(ends => believed(between(ends, pressure))).join(" to "));
     value("second", () => fixed(between(other(shown.values), pressure), 3));
     value("chance", () => chanceInWords(shown.chance));
-    value("peak", () => fixed(shown.peak, 1));
+    value("peak", () => fixed(shown.peak, 2));
     say("density", fixed(+(100 * shown.face).toPrecision(12), 1));
     say("exposures", `${shown.exposures} (${fixed(shown.depth, 1)} µm)`);
     say("laser-time", duration(shown.seconds));
     const words = isKnown ? limits.filter(limit => isBroken(limit, shown)).map(limit => limit.words) : [];
-    const aimed = shown.gap ? [shown.gap.replace(/^t/, "T")] : hasTarget ? [shown.isOn ? "Expected on target" : "Not expected on target"] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];
+    const within = data.exposures && data.exposures.fixed_within_um, isMissed = typeof within === "number" && Math.abs(shown.depth - state[2]) > within;
+    const depth = isMissed ? ` at this depth, but whole ${data.exposures.name} make ${fixed(shown.depth, 1)} µm` : "";
+    const aimed = shown.gap ? [shown.gap.replace(/^t/, "T")] : hasTarget ? [`${shown.isOn ? "Expected" : "Not expected"} on target${depth}`] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];
     say("verdict", [...aimed, ...breaks].join("; "));
     root.dataset.values = JSON.stringify(shown.values.slice(0, loads));
     root.dataset.chance = shown.chance;

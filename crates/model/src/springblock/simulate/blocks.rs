@@ -277,7 +277,7 @@ pub fn apply_refinement(
             ));
         }
         Err(reason) => statements.model(format!(
-            "refine: ratios are those of blocks of {} um and not taken to smaller blocks, since {reason}",
+            "refine = true changes nothing: ratios stay those of blocks of {} um, since {reason}",
             um(block_m)
         )),
     }
@@ -436,10 +436,10 @@ mod tests {
             let mut scene = samples::scene(pattern, &[2.6], RunOptions { refine, ..RunOptions::default() });
             scene.layer.height_m = 40e-6;
             let model = simulate(&scene, &Unwatched).unwrap().statements.model;
-            model.into_iter().filter(|statement| statement.contains("smaller")).collect::<Vec<String>>()
+            model.into_iter().filter(|statement| statement.starts_with("refine")).collect::<Vec<String>>()
         };
         let crossing = samples::pattern(crate::pattern::Planform::Crosshatch, 60.0, 60.0, 20.0);
-        let unrefined = "refine: ratios are those of blocks of 10 um and not taken to smaller blocks, since ";
+        let unrefined = "refine = true changes nothing: ratios stay those of blocks of 10 um, since ";
         let of_space = "cells in space with rims or measured heights are like no grooves in the plane";
         let rim = crate::pattern::Rim::new(0.2e-6, 20e-6, crate::pattern::RimProfile::Flat).unwrap();
         assert_eq!(statements(crossing.with_rim(rim), true), [format!("{unrefined}{of_space}")]);

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use slipgrid_base::statistics::{ResponseSurface, extremes};
 use slipgrid_base::units::LENGTH_UM;
 use slipgrid_design::DesignTask;
-use slipgrid_laser::export::{Outline, one_exposure};
+use slipgrid_laser::export::{Outline, depth_within_um, one_exposure};
 use slipgrid_model::pattern::{Contour, Pattern, Planform};
 use slipgrid_model::springblock::Dimension;
 
@@ -52,12 +52,15 @@ pub struct Exposures {
     /// Depth of one exposure in micrometres, and its time for a face that is all cavity in seconds, if known; at evenly
     /// spaced widths within the bounds.
     by_width: Packed,
+    /// Largest difference of the depth of whole exposures from a fixed depth that counts as none, in micrometres; null
+    /// where the depth is free.
+    fixed_within_um: Option<f64>,
 }
 
 impl Exposures {
     /// Exposures of the cavities of `task`; `None` if the laser's depth is unknown.
     pub fn new(task: &DesignTask) -> Option<Self> {
-        let [[from_m, to_m], [_, spacing_m], [_, depth_m]] = task.space.lengths_m();
+        let [[from_m, to_m], [_, spacing_m], [least_m, depth_m]] = task.space.lengths_m();
         let last = (LENGTH_UM.from_si(to_m - from_m) / WIDTH_STEP_UM).ceil().min(MAX_WIDTHS);
         let at = |place: u32| {
             let width_m = from_m + (to_m - from_m) * f64::from(place) / last.max(1.0);
@@ -68,7 +71,10 @@ impl Exposures {
         let seconds: Option<Vec<f64>> = all.iter().map(|(_, time_s_m2)| Some(time_s_m2.as_ref()? * area_m2)).collect();
         let depths = all.iter().map(|(depth_um, _)| *depth_um).collect();
         let name = if task.laser.has_passes() { "passes" } else { "bursts" };
-        Some(Self { name, by_width: Packed::of(std::iter::once(depths).chain(seconds)) })
+        let std_um = task.tolerances.map(|of| of.depth_std_um);
+        let fixed_within_um = (least_m == depth_m)
+            .then(|| depth_within_um(LENGTH_UM.from_si(depth_m), std_um.filter(|std_um| *std_um > 0.0)));
+        Some(Self { name, by_width: Packed::of(std::iter::once(depths).chain(seconds)), fixed_within_um })
     }
 
     /// Whether the time is known.
