@@ -299,10 +299,19 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
         flags.push(TraceFlag::Odd("friction is recorded as negative and was turned".to_owned()));
     }
 
-    let window = averaging_window::window_mean(&time_s, &mu, options.window_s);
+    let mut window = averaging_window::window_mean(&time_s, &mu, options.window_s);
     if window.mu.abs() < MIN_FRICTION {
         return Err(no_friction(window.mu));
     }
+    let in_window = samples_between(&time_s, options.window_s);
+    let one_way = options.stroke_share.is_none();
+    let swing = stick_slip::oscillation(&time_s[in_window.clone()], &mu[in_window.clone()], window.mu);
+    let swing = swing.filter(|_| one_way).map(|(swing, crests_s)| {
+        if swing.is_relaxation() || swing.is_regular() {
+            window = window.of_swings(&time_s, &mu, options.window_s, &crests_s);
+        }
+        swing
+    });
     if window.drift.abs() > (MAX_DRIFT * window.mu).max(FLAGGED_DRIFT_STDERRS * window.drift_stderr) {
         return Err(TraceError::Refused(format!(
             "friction changes by {:+.0} % of its mean over the window: the sample sticks or has not settled; expected \
@@ -310,7 +319,6 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
             100.0 * (window.drift / window.mu)
         )));
     }
-    let in_window = samples_between(&time_s, options.window_s);
     let broken = breaks::find_break(&mu[in_window.clone()]).map(|found| (time_s[in_window.start + found.at], found));
     // A disturbed force disturbs friction as well.
     let is_told =
@@ -328,7 +336,6 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
             100.0 * (window.drift_stderr / window.mu)
         )));
     }
-    let one_way = options.stroke_share.is_none();
     let saturated = flags.iter().any(|flag| matches!(flag, TraceFlag::PeakSaturated { .. }));
     let is_sought = one_way && options.static_peak && !saturated;
     let before = is_sought.then(|| {
@@ -356,7 +363,6 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
             peak.missed
         )));
     }
-    let swing = stick_slip::oscillation(&time_s[in_window.clone()], &mu[in_window], window.mu).filter(|_| one_way);
     let travel_m = |swing: &StickSlip| swing.period_s * options.speed_m_s;
     let is_elastic = |swing: &StickSlip| travel_m(swing) <= MAX_SLIP_M;
     let slips = swing.filter(StickSlip::is_relaxation);

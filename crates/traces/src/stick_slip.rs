@@ -57,8 +57,9 @@ impl StickSlip {
     }
 }
 
-/// Finds the oscillation in a window; `None` if there are too few reversals. `mean` is the mean of `mu`.
-pub fn oscillation(time_s: &[f64], mu: &[f64], mean: f64) -> Option<StickSlip> {
+/// Finds the oscillation in a window, with the times of its crests; `None` if there are too few reversals. `mean` is the
+/// mean of `mu`.
+pub fn oscillation(time_s: &[f64], mu: &[f64], mean: f64) -> Option<(StickSlip, Vec<f64>)> {
     let threshold = (NOISE_FACTOR * sample_noise(mu)).max(MIN_RELATIVE * mean.abs());
     // A slope over the window would lengthen all rises, or all falls.
     let smooth = without_slope(time_s, median_of_three(mu));
@@ -81,14 +82,15 @@ pub fn oscillation(time_s: &[f64], mu: &[f64], mean: f64) -> Option<StickSlip> {
     let periods: Vec<f64> = crests.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let arrow = arrow(&falls, &rises);
     let (fall, rise) = (median(falls), median(rises));
-    Some(StickSlip {
+    let swing = StickSlip {
         period_spread_s: spread(&periods),
         slips: drops.len(),
         amplitude: median(drops),
         period_s: median(periods),
         fall_over_rise: fall / rise.max(f64::MIN_POSITIVE),
         arrow,
-    })
+    };
+    Some((swing, crests))
 }
 
 /// Subtracts the least-squares slope, about the mean time.
@@ -170,7 +172,7 @@ mod tests {
             0.3 + 0.04 * if phase < 0.96 { phase / 0.96 } else { (1.0 - phase) / 0.04 }
         };
         let (time, mu) = sampled(saw, 0.001);
-        let found = oscillation(&time, &mu, 0.32).unwrap();
+        let (found, _) = oscillation(&time, &mu, 0.32).unwrap();
         assert!((found.amplitude - 0.04).abs() < 0.003, "{found:?}");
         assert!((found.period_s - 0.753).abs() < 0.01 && found.period_spread_s < 0.02, "{found:?}");
         assert!((38..=40).contains(&found.slips) && found.is_relaxation(), "{found:?}");
@@ -202,7 +204,7 @@ mod tests {
                 let deviation = [0.002, 0.006, 0.02][seed as usize % 3];
                 let noise = red(&mut deviates, time.len(), step_s, correlation_s).into_iter();
                 let mu: Vec<f64> = noise.map(|value| 0.3 + deviation * value).collect();
-                let Some(found) = oscillation(&time, &mu, 0.3) else { continue };
+                let Some((found, _)) = oscillation(&time, &mu, 0.3) else { continue };
                 slips += u64::from(found.is_relaxation());
                 swings += u64::from(!found.is_relaxation() && found.is_regular());
             }
@@ -244,7 +246,7 @@ mod tests {
             let swing = oscillation(&time, &mu, 0.32);
             all += 1;
             let good =
-                swing.is_some_and(|swing| swing.is_relaxation() && (swing.period_s / period_s - 1.0).abs() < 0.2);
+                swing.is_some_and(|(swing, _)| swing.is_relaxation() && (swing.period_s / period_s - 1.0).abs() < 0.2);
             found += u32::from(good);
         }
         assert!(100 * found >= 95 * all, "{found} of {all}");
@@ -253,7 +255,7 @@ mod tests {
     #[test]
     fn a_swing_that_rises_as_it_falls_is_told_apart() {
         let (time, mu) = sampled(|t| 0.3 + 0.02 * (2.0 * t).sin(), 5e-4);
-        let found = oscillation(&time, &mu, 0.3).unwrap();
+        let (found, _) = oscillation(&time, &mu, 0.3).unwrap();
         assert!(!found.is_relaxation() && (found.period_s - std::f64::consts::PI).abs() < 0.1, "{found:?}");
         assert!((found.amplitude - 0.04).abs() < 0.003, "{found:?}");
     }
