@@ -221,18 +221,6 @@ fn hexagonal_cavities_have_six_neighbours_at_one_pitch() {
             near += usize::from((away_m / pitch_m - 1.0).abs() < 1e-9);
         }
         assert_eq!(near, 6, "{planform}");
-        // Coverage of one cell, in pieces as for a lattice with interlocked rows.
-        let pieces = 40;
-        let side_m = [cell_m[0] / f64::from(pieces), cell_m[1] / f64::from(pieces)];
-        let mut share = 0.0;
-        for (i, j) in (0..pieces).flat_map(|i| (0..pieces).map(move |j| (f64::from(i), f64::from(j)))) {
-            let piece = pattern.coverage(i * side_m[0], (i + 1.0) * side_m[0], j * side_m[1], (j + 1.0) * side_m[1]);
-            assert!((0.0..=1.0).contains(&piece));
-            share += piece / f64::from(pieces * pieces);
-        }
-        assert!((share / pattern.areal_density() - 1.0).abs() < 1e-9, "{planform} {share}");
-        let least_m = pattern.least_land_m();
-        assert!((sampled_land_m(&pattern, 400) / least_m - 1.0).abs() < 2e-3, "{planform} {least_m}");
     }
     // The land of a disc equals its spacing bit by bit, so that a limit of this length is satisfied.
     let disc = Pattern::new(hexagonal(Planform::Disc), 100e-6, 40e-6, 20e-6).unwrap();

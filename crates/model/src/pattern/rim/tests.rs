@@ -79,31 +79,6 @@ fn blocks_that_fill_a_cell_hold_the_volume_of_the_rims() {
     }
 }
 
-#[test]
-fn shares_of_small_blocks_are_those_of_points() {
-    for (planform, exact) in [(Planform::Groove, 1e-9), (Planform::Square, 1e-4), (Planform::Disc, 1e-4)] {
-        for profile in RimProfile::IN_FILES {
-            let pattern = rimmed(planform, profile);
-            for (x, y) in [(63.0, 3.0), (71.5, -12.0), (64.0, 62.0), (80.0, 50.0), (40.0, 45.0), (47.0, 47.0)] {
-                let [x, y] = [x, y].map(|from: f64| [from * 1e-6, (from + 4.0) * 1e-6]);
-                let whole = pattern.rim_share(x[0], x[1], y[0], y[1]);
-                // Compared with 16 x 16 parts, weighted by their lands.
-                let part =
-                    |ends: [f64; 2], n: i32| [0, 1].map(|k| ends[0] + (ends[1] - ends[0]) * f64::from(n + k) / 16.0);
-                let (mut sum, mut land) = (0.0, 0.0);
-                for (i, j) in (0..16).flat_map(|i| (0..16).map(move |j| (i, j))) {
-                    let ([x0, x1], [y0, y1]) = (part(x, i), part(y, j));
-                    let own = 1.0 - pattern.coverage(x0, x1, y0, y1);
-                    sum += own * pattern.rim_share(x0, x1, y0, y1);
-                    land += own;
-                }
-                let parts = if land > 0.0 { sum / land } else { 0.0 };
-                assert!((whole - parts).abs() < exact, "{planform} {profile} {x:?}: {whole} {parts}");
-            }
-        }
-    }
-}
-
 /// Fraction by counting points: a rim extends by its width from the nearest point of a cavity of any shape.
 #[test]
 fn rims_are_as_wide_around_corners_as_along_edges() {

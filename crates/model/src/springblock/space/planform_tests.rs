@@ -22,16 +22,6 @@ fn ratio(pattern: &Pattern) -> f64 {
     ratio_of_layer(pattern, 10.0, 100.0)
 }
 
-#[test]
-fn a_square_given_as_a_polygon_has_the_squares_ratio() {
-    let outline = polygon(&[[3.0, 3.0], [8.0, 3.0], [8.0, 8.0], [3.0, 8.0]]);
-    for (width_um, spacing_um, depth_um) in [(130.0, 120.0, 20.0), (133.3, 118.0, 14.5)] {
-        let square = ratio(&pattern(Planform::Square, width_um, spacing_um, depth_um));
-        let same = ratio(&pattern(outline, width_um, spacing_um, depth_um));
-        assert!(square < 0.99 && (square - same).abs() < 1e-13, "{square} {same}");
-    }
-}
-
 /// The peak over whole blocks depends on the width, but not on the positions of the blocks at edges and corners.
 #[test]
 fn the_peak_over_a_whole_block_does_not_depend_on_how_blocks_lie_on_edges() {

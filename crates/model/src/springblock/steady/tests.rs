@@ -47,34 +47,12 @@ fn a_flat_layer_shears_by_its_shear_modulus() {
 }
 
 #[test]
-fn amontons_coulomb_gives_mu_d_for_any_pattern_and_the_bulk_feels_it() {
-    for (width, spacing, depth) in [(130.0, 370.0, 20.0), (133.0, 368.5, 13.0), (200.0, 60.0, 55.0), (40.0, 90.0, 4.0)]
-    {
-        let model = cell(&groove(width, spacing, depth), 10.0, 200.0);
-        let dynamic_mu = vec![0.27; model.lattice().nx()];
-        let load = SteadyLoad { pressure_pa: 1e6, dynamic_mu: &dynamic_mu, area_law: None };
-        let state = iterate(&model.system, &load);
-        assert!(state.normal.iter().all(|n| *n >= 0.0));
-        let (u, height, mut force) = (&state.displacement, bulk_height(&model, &state), 0.0);
-        model.lattice.for_each_bond(|bond| {
-            if bond.b.is_none() {
-                let [kxx, kxy, _] = bond.linear();
-                let a = model.system.dof(bond.a.0, bond.a.1);
-                force += kxx * (0.0 - u[a]) + kxy * (height - u[a + 1]);
-            }
-        });
-        assert!((force / model.system.load() - 0.27).abs() < 1e-9, "{width}: {force}");
-        assert!((model.solve(&load).mu_dynamic.unwrap() - 0.27).abs() < 1e-9);
-    }
-}
-
-#[test]
 fn normal_forces_balance_the_load_and_do_not_depend_on_stiffness() {
     let soft = cell(&groove(130.0, 370.0, 20.0), 10.0, 200.0);
     let stiff = SteadyModel { youngs_modulus_pa: 1e12, ..soft.clone() };
     let (a, b) = (solve(&soft, 2.0, 0.3, None), solve(&stiff, 2.0, 0.3, None));
     let mean = a.interface.iter().map(|p| p.pressure_pa).sum::<f64>() / 50.0;
-    assert!((mean - 2e6).abs() < 1e-3);
+    assert!((mean - 2e6).abs() < 1e-3 && (a.mu_dynamic.unwrap() - 0.3).abs() < 1e-9);
     assert_eq!(a.interface, b.interface);
 }
 
