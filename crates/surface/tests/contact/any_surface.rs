@@ -47,7 +47,7 @@ fn assert_contact(map: &HeightMap, pressure_pa: f64, name: &str) {
     let points = state.pressure_pa.len() as f64;
     assert!(state.pressure_pa.iter().all(|&p| p >= 0.0) && state.gap_m.iter().all(|&g| g >= 0.0), "{name}");
     let mean_pa = state.pressure_pa.iter().sum::<f64>() / points;
-    assert!((mean_pa / pressure_pa - 1.0).abs() < 1e-7, "{name}: {mean_pa} of {pressure_pa} Pa");
+    assert!((mean_pa / pressure_pa - 1.0).abs() < 1e-12, "{name}: {mean_pa} of {pressure_pa} Pa");
     let work: f64 = state.pressure_pa.iter().zip(&state.gap_m).map(|(p, g)| p * g).sum();
     assert!(work <= 1.1e-8 * mean_pa * points * map.sq_m(), "{name}: {work}");
     // g = u - h + const, u_q = 2/(E* q) p_q

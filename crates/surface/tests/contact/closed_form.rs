@@ -49,12 +49,6 @@ impl Wave {
         (nominal_pa / self.full_contact_pressure_pa).clamp(0.0, 1.0).sqrt()
     }
 
-    /// Real contact area fraction under the mean pressure `nominal_pa`.
-    pub fn area_fraction(&self, nominal_pa: f64) -> f64 {
-        // 2 a / lambda = (2/pi) asin sqrt(P/p*)
-        2.0 / PI * libm::asin(self.sine(nominal_pa))
-    }
-
     /// Pressure at the distance `x_m` from a crest under the mean pressure `nominal_pa`, below p*, in pascals.
     pub fn pressure_pa(&self, nominal_pa: f64, x_m: f64) -> f64 {
         // p = 2 P cos(pi x/lambda) / sin^2(psi) sqrt(sin^2(psi) - sin^2(pi x/lambda))

@@ -2,7 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
-mod cancelling;
 mod properties_readers;
 mod validation_functional;
 mod validation_parameters;
