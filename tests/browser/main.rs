@@ -34,44 +34,19 @@ trait Page {
 }
 
 /// Design that is found in seconds, with a name that is a script unless it is escaped.
-const DESIGN: &str = r#"name = "</script><script>window.hacked = 1</script><b>bold</b>"
-[material]
-youngs_modulus_gpa = 0.38
-youngs_modulus_std_gpa = 0.08
-density_g_cm3 = 0.9
-warnings = ["this material is made up"]
-[material.friction]
-static_mean = 0.30
-dynamic_mean = 0.27
-dynamic_std_error = 0.003
-[material.area_law]
-pressure_mpa = [0.7, 1.3, 2.6, 10.0]
-factor = [1.0, 0.96, 0.90, 0.60]
-[target]
-quantity = "ratio"
-pressure_mpa = [0.65, 2.6]
-value = [0.98, 0.95]
-tolerance = 0.02
-[bounds]
-width_um = [40.0, 400.0]
-spacing_um = [40.0, 1000.0]
-depth_um = [2.0, 50.0]
-[pattern]
-planform = "groove"
-[limits]
-min_land_um = 40.0
-depth_per_burst_um = 2.6
-max_peak_pressure_mpa = 20.0
-[laser]
-spot_um = 23.0
-repetition_hz = 1000.0
-[specimen]
-shape = "disc"
-diameter_mm = 10.0
-[tolerances]
-width_std_um = 4.0
-depth_std_um = 1.0
-"#;
+fn hostile_design() -> String {
+    let (head, _) = include_str!("../golden/inputs/wide-design.toml").split_once("[sample]").unwrap();
+    let changes = [
+        ("test design", "</script><script>window.hacked = 1</script><b>bold</b>"),
+        ("density", "youngs_modulus_std_gpa = 0.08\nwarnings = [\"this material is made up\"]\ndensity"),
+        ("dynamic_mean = 0.27", "dynamic_mean = 0.27\ndynamic_std_error = 0.003"),
+        ("[1.0, 0.9, 0.7, 0.3]", "[1.0, 0.96, 0.90, 0.60]"),
+        ("value = 0.9\ntolerance = 0.01", "value = [0.98, 0.95]\ntolerance = 0.02"),
+        ("wavelength_nm = 1064.0", "repetition_hz = 1000.0"),
+    ];
+    let design = changes.into_iter().fold(head.to_owned(), |design, (from, to)| design.replace(from, to));
+    design + "[tolerances]\nwidth_std_um = 4.0\ndepth_std_um = 1.0\n"
+}
 
 /// Maximum difference of a sample as cut from one interpolated between textures: only the former has ends, tilt and the
 /// change in time computed for its texture.
@@ -113,7 +88,7 @@ fn predicted(folder: &Path, designs: &[[f64; 3]]) -> Vec<Vec<f64>> {
 fn the_explorer_says_what_is_predicted_and_needs_no_mouse() {
     let folder = tempfile::tempdir().unwrap();
     let (design, out) = (folder.path().join("design-task.toml"), folder.path().join("out"));
-    fs::write(&design, DESIGN).unwrap();
+    fs::write(&design, hostile_design()).unwrap();
     let (code, told) = slipgrid(&["optimize", design.to_str().unwrap(), "-o", out.to_str().unwrap()]);
     assert_eq!(code, 0, "{told}");
     let report = out.join("report.html");

@@ -165,7 +165,7 @@ fn a_page_shows_the_areal_density_of_the_layout() {
         (disc, disc_of, "disc\"\narrangement = \"hexagonal\"", hexagonal),
         (ring, ring_of, "disc\"", texture(Planform::Disc)),
     ] {
-        let design = super::DESIGN
+        let design = super::hostile_design()
             .split("[pattern]")
             .next()
             .unwrap()
@@ -208,7 +208,7 @@ fn designs_that_break_the_limit_of_laser_time_are_hatched() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("explore.html");
     // Most designs violate the limit of laser time, and none another one.
-    let limited = super::DESIGN
+    let limited = super::hostile_design()
         .replace("min_land_um = 40.0", "max_laser_time_s = 150.0")
         .replace("max_peak_pressure_mpa = 20.0\n", "");
     run(&["explore", &file(folder.path(), "design.toml", &limited), "-o", path.to_str().unwrap()]);

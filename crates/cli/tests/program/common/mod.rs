@@ -85,14 +85,9 @@ pub fn discs() -> String {
 
 /// Design that is searched and confirmed in a third of a second.
 pub fn small() -> String {
-    DESIGN
-        .replace("width_um = [40.0, 400.0]", "width_um = [40.0, 80.0]")
-        .replace("spacing_um = [40.0, 1000.0]", "spacing_um = 60.0")
-        .replace("depth_um = [2.0, 50.0]", "depth_um = 5.2")
-        .replace("layer_um = 200.0", "layer_um = 40.0")
-        .replace("block_um = 10.0", "block_um = 20.0")
-        .replace("diameter_mm = 10.0", "diameter_mm = 1.0")
-        .replace("tolerance = 0.01", "tolerance = 0.08")
+    include_str!("../../../../../tests/golden/inputs/design.toml")
+        .replace("spacing_um = [40.0, 80.0]", "spacing_um = 60.0")
+        .replace("depth_um = [2.0, 10.0]", "depth_um = 5.2")
 }
 
 /// Calibration that reads the table `flat.csv` in its folder.
