@@ -377,6 +377,9 @@ fn a_goal_is_the_best_expected_value_that_keeps_the_demands() {
     assert!(kept.sample.chance.unwrap() >= 0.5 && value > goal.expected && value < 0.95, "{value}");
     // The flat surface has the highest friction if the model and its expected error lower friction.
     assert_eq!(aimed(Goal::Highest, Accepted::Anything).advice, "do_not_texture");
+    // Its ratios are even by nature, but it does not do what is demanded beside a goal.
+    assert_eq!(aimed(Goal::Even, Accepted::Anything).advice, "do_not_texture");
+    assert_eq!(aimed(Goal::Highest, Accepted::AtMost { highest: 0.93, margin: 0.01 }).advice, "trial");
 }
 
 /// Tests that the ratio of a design equals the modelled ratio of its trial, on the specimen that it is cut into.

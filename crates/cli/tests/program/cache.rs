@@ -51,19 +51,6 @@ fn kept_results_give_the_same_bytes_as_computed_ones() {
 }
 
 #[test]
-fn two_programs_may_share_the_results() {
-    let place = place();
-    let cache = place.path("cache");
-    std::thread::scope(|scope| {
-        for out in ["one", "two"] {
-            let (place, cache) = (&place, &cache);
-            scope.spawn(move || optimize(place, out, cache, ""));
-        }
-    });
-    assert_eq!(place.untimed("one"), place.untimed("two"));
-}
-
-#[test]
 fn a_named_folder_that_keeps_nothing_is_told() {
     let place = place();
     fs::write(place.path("file"), "").unwrap();

@@ -2,7 +2,6 @@
 
 use crate::common::{COMMANDS, FLAT, Place, SCENE, THREE_FORCES, at, column, json, patterned, small};
 use serde_json::Value;
-use slipgrid_surface::contact::closed_form::persson_area_fraction;
 
 /// The object without the values that depend on time and threads.
 fn timeless(mut value: Value) -> Value {
@@ -13,23 +12,6 @@ fn timeless(mut value: Value) -> Value {
         items.iter_mut().for_each(|item| *item = timeless(item.take()));
     }
     value
-}
-
-#[test]
-fn a_groove_is_alike_in_plane_and_space_and_squares_in_the_plane_are_a_section() {
-    let square = format!("{}dimensions = 2\n", SCENE.replace("\"groove\"", "\"square\""));
-    let space = format!("{SCENE}dimensions = 3\n");
-    let place = Place::with(&[("groove.toml", SCENE), ("space.toml", &space), ("square.toml", &square)]);
-    let [groove, space, square] =
-        ["groove", "space", "square"].map(|name| place.json(&format!("simulate {name}.toml --json")));
-    let ratio = at(&groove, "/results/1/ratio");
-    assert!((ratio - at(&space, "/results/1/ratio")).abs() < 1e-9);
-    assert_eq!((&groove["section_model"], &square["section_model"]), (&false.into(), &true.into()));
-    let of_square = ["/areal_density", "/section_density", "/results/1/ratio"].map(|pointer| at(&square, pointer));
-    assert_eq!(of_square, [0.0676, 0.26, ratio]);
-    // 1 - (width / pitch)(1 - ratio)
-    assert!((at(&square, "/results/1/ratio_strip_estimate") - (1.0 - 0.26 * (1.0 - ratio))).abs() < 1e-12);
-    assert!(groove["results"][1].get("ratio_strip_estimate").is_none());
 }
 
 #[test]
@@ -52,50 +34,6 @@ fn results_go_to_a_folder() {
     assert_eq!(place.read("out/scene/notes.txt"), "mine");
     let left = "interface-1e-320mpa.svg interface.csv notes.txt result.json timings.json uncertainty.csv";
     assert_eq!((place.listed("out/scene").as_str(), place.listed("out").as_str()), (left, "scene"));
-}
-
-#[test]
-fn an_area_law_is_the_area_over_the_load_with_its_standard_error() {
-    let place = Place::with(&[]);
-    let synthesize = "synthesize --pixels 128 --waves 4:16 --sa-um 0.3 --seed 7 -o map.asc";
-    place.succeed(synthesize);
-    let first = place.read("map.asc");
-    place.succeed(synthesize);
-    assert_eq!(place.read("map.asc"), first);
-
-    let law =
-        place.json("area-law map.asc --pressures-mpa 0.3,0.7,2.6 --threshold-mpa 0.7 --resolutions --json -o law");
-    assert_eq!(place.listed("law"), "area-law.csv area-law.svg result.json timings.json");
-    assert!(law["synthetic_surface"] == true && (at(&law, "/sa_um") - 0.3).abs() < 1e-4);
-    assert_eq!(at(&law, "/pixel_um"), 7.8125);
-    let of = |key: &str| column(&law["results"], key);
-    let (area, factor, std) = (of("/area_fraction_corrected"), of("/factor"), of("/factor_std"));
-    assert!(area.is_sorted() && factor[..2] == [1.0, 1.0] && std[..2] == [0.0, 0.0], "{law}");
-    // f(P) = [A(P)/A(P0)] / [P/P0]
-    assert!((factor[2] - area[2] / area[1] * (0.7 / 2.6)).abs() < 1e-12 && of("/area_error")[2] < 1e-4);
-    // Four windows, which count as two: Student's t of three degrees of freedom over the normal deviate.
-    let spread = at(&law, "/windows/factor_spread/2");
-    assert!(std[2] > 0.0 && (std[2] / spread - 3.182_446 / 1.959_964 / 2.0_f64.sqrt()).abs() < 1e-6);
-    assert_eq!((at(&law, "/windows/count"), at(&law, "/windows/rows")), (4.0, 64.0));
-    // Coarser pixels see less slope, and so a lower f.
-    assert!(column(&law["resolutions"], "/rms_slope").into_iter().all(|slope| slope < at(&law, "/rms_slope")));
-    assert!(column(&law["resolutions"], "/factor/2").into_iter().all(|coarse| coarse < factor[2]));
-    assert_eq!(at(&law, "/resolutions/1/pixel_um"), 4.0 * 7.8125);
-
-    // Where no pressure reaches down to the threshold, the area there is computed beside the list.
-    let alone = place.json("area-law map.asc --pressures-mpa 2.6 --threshold-mpa 0.7 --windows 1 --json");
-    assert_eq!(column(&alone["results"], "/factor"), [factor[2]]);
-    assert!(alone["windows"].is_null() && alone["results"][0]["factor_std"].is_null());
-
-    let theory =
-        |more: &str| place.json(&format!("area-law --persson-rms-slope 0.0137 --pressures-mpa 0.7,2.6 --json {more}"));
-    let area = |mpa: f64| persson_area_fraction(mpa * 1e6, 427.5e6, 0.0137).unwrap();
-    // P0 is a small load, 0.01 E* h'rms = 0.0586 MPa.
-    let by_theory = theory("");
-    assert!(by_theory["map"].is_null() && by_theory["sa_um"].is_null() && by_theory["threshold_mpa"] == 0.0586);
-    assert!((at(&by_theory, "/results/1/factor") - area(2.6) / area(0.0586) * 0.0586 / 2.6).abs() < 1e-12);
-    // With another threshold P0 = 2.6 MPa nothing falls short of proportionality.
-    assert_eq!(at(&theory("--threshold-mpa 2.6"), "/results/1/factor"), 1.0);
 }
 
 #[test]
@@ -164,24 +102,6 @@ fn a_validation_goes_to_a_folder() {
     for said in ["0.278 ± 0.001", "0.224 ± 0.001", "no_onset"] {
         assert!(page.contains(said), "{said}");
     }
-    // Two conditions at three slopes and at the measured depth; grooves and squares without rims, and with four heights
-    // of two widths, at both pressures.
-    let lines = |name: &str| place.read(name).lines().count();
-    assert_eq!((lines("out/ratios.csv"), lines("out/rims.csv")), (1 + 2 * 4, 1 + 2 * 9 * 2));
-    let rims = result["rims"]["rows"].as_array().unwrap();
-    let first = |height: f64| {
-        at(rims.iter().find(|row| row["planform"] == "square" && row["rim_height_um"] == height).unwrap(), "/ratio/0")
-    };
-    assert!(first(0.0) > first(0.1) && first(0.1) > first(0.5), "{rims:?}");
-    // f(P0) = 1, and f = [A(P)/A(P0)] / [P/P0] of the areas listed beside it.
-    let law = &result["area_laws"][1];
-    let at = |key: &str, mpa: f64| {
-        let pressures = law["pressure_mpa"].as_array().unwrap();
-        let row = pressures.iter().position(|pressure| pressure.as_f64() == Some(mpa)).unwrap();
-        law[key][row].as_f64().unwrap()
-    };
-    let factor = at("area_fraction", 2.6) / at("area_fraction", 0.7) * (0.7 / 2.6);
-    assert!((at("factor", 2.6) - factor).abs() < 1e-9 && at("factor", 0.7) == 1.0, "{factor}");
 }
 
 #[test]

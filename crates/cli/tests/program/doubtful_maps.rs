@@ -121,22 +121,11 @@ fn maps_that_mean_nothing_are_refused_and_those_that_mean_little_are_told() {
 
 #[test]
 fn a_law_that_jumps_or_exceeds_one_is_told() {
-    for (factor, warning) in [
-        (
-            "[0.896649194471224, 0.85, 0.8, 0.6]",
-            Some("area law jumps: f falls from 1 to 0.8966 at its first pressure, 0.7 MPa"),
-        ),
-        ("[1.0, 1.05, 1.2, 1.0]", Some("factor above 1: f is 1.2 at 2.6 MPa")),
-        ("[1.0, 0.96, 0.90, 0.60]", None),
-        // Full contact.
-        ("[1.0, 0.539, 0.27, 0.07]", None),
-    ] {
-        let place = Place::with(&[("scene.toml", &SCENE.replace("[1.0, 0.96, 0.90, 0.60]", factor))]);
-        let found = place.json("simulate scene.toml --json");
-        assert_eq!(
-            warnings(&found["material"], warning.unwrap_or("")).len(),
-            warning.iter().len(),
-            "{factor}: {found}"
-        );
+    let place = Place::with(&[("scene.toml", &SCENE.replace("[1.0, 0.96, 0.90, 0.60]", "[0.9, 1.05, 1.2, 1.0]"))]);
+    let material = &place.json("simulate scene.toml --json")["material"];
+    for start in
+        ["area law jumps: f falls from 1 to 0.9 at its first pressure, 0.7 MPa", "factor above 1: f is 1.2 at 2.6 MPa"]
+    {
+        assert_eq!(warnings(material, start).len(), 1, "{material}");
     }
 }

@@ -27,25 +27,6 @@ fn inputs_and_what_others_wrote_are_not_replaced() {
     );
     assert_eq!(contents(), before);
     assert_eq!(place.listed("job"), "scene.toml");
-    // What begins as a file of slipgrid is none.
-    place.succeed(&format!("{MAP} -o own.asc"));
-    fs::create_dir(place.path("others")).unwrap();
-    let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100mm\"><!-- mine --></svg>";
-    for (name, text, line) in [
-        ("pattern.svg", svg, "optimize d.toml"),
-        ("section.csv", "x_um,height_um\n0,1\n", "surface own.asc"),
-        ("interface.csv", "load_mpa,surface,x_um,pressure_mpa,friction_mpa\nmine\n", "simulate s.toml"),
-        ("table.csv", "task,due,who\nbuy laser,2026-12-01,me\n", "optimize d.toml --table"),
-        ("process.toml", "# Process sheet. Mine\n", "optimize d.toml"),
-        ("result.json", "{\"mine\": 1}", "simulate s.toml"),
-    ] {
-        let file = format!("others/{name}");
-        place.write(&file, text);
-        let message = place.refuse(&format!("{line} -o others"));
-        assert!(message.contains(&format!("others holds {name}, which was not written by slipgrid")), "{message}");
-        assert_eq!(place.read(&file), text);
-        fs::remove_file(place.path(&file)).unwrap();
-    }
     // Files that are not in the way are nobody's concern.
     place.succeed("simulate s.toml -o job");
 }

@@ -5,7 +5,6 @@
 mod cache;
 mod calibrations;
 mod campaign;
-mod chance;
 mod commands;
 mod common;
 mod conditions;

@@ -32,20 +32,6 @@ fn a_design_is_found_confirmed_and_written_for_a_laser() {
 }
 
 #[test]
-fn a_result_that_says_what_cannot_be_is_refused_by_its_key() {
-    let place = Place::with(&[]);
-    for (texture, says) in [
-        (r#""planform": "groove", "arrangement": "staggered""#, r#"design.arrangement: "staggered" has no meaning"#),
-        (r#""planform": "disc", "sliding_angle_deg": 200.0"#, "design.sliding_angle_deg: 200.0 is out of range"),
-        (r#""planform": "rectangle", "length_um": -1.0"#, "design.length_um: -1.0 is out of range"),
-    ] {
-        place.write("result.json", by_hand(texture, "", r#""shape": "disc", "diameter_mm": 10.0"#));
-        let message = place.refuse("export result.json -o laser");
-        assert!(message.starts_with(&format!("error: result.json: {says}")), "{message}");
-    }
-}
-
-#[test]
 fn other_textures_worth_cutting_are_samples_after_the_design() {
     let mut result = json(&by_hand(r#""planform": "square""#, "", r#""shape": "disc", "diameter_mm": 10.0"#));
     let others = [61.0, 73.0].map(|width_um| {

@@ -13,11 +13,6 @@ fn scene(keys: &str) -> String {
         .replace("block_um = 10.0", "block_um = 20.0")
 }
 
-fn simulated(place: &Place, text: &str) -> Value {
-    place.write("a.toml", text);
-    place.json("simulate a.toml --json")
-}
-
 /// Result of the search of the design `text`, the scene and all laser files of which are made as well.
 fn searched(place: &Place, text: &str) -> Value {
     place.write("design.toml", text);
@@ -29,31 +24,6 @@ fn searched(place: &Place, text: &str) -> Value {
         assert!(fs::metadata(place.path("files").join(name)).unwrap().len() > 500, "{name}");
     }
     place.result("out")
-}
-
-#[test]
-fn plain_planforms_as_polygons_and_crossings_as_they_should_be() {
-    let place = Place::with(&[]);
-    let ratio = |keys: &str| at(&simulated(&place, &scene(keys)), "/results/1/ratio");
-    let square = ratio("planform = \"square\"");
-    assert!((ratio("planform = \"polygon\"\nvertices_um = [[0, 0], [0, 2], [2, 2], [2, 0]]") - square).abs() < 1e-12);
-    let corners =
-        [[0, 0], [0, 2], [2, 2], [2, 0]].map(|[x, y]| format!("0\nVERTEX\n8\nCUT\n10\n{x}\n20\n{y}\n")).concat();
-    let drawing =
-        format!("0\nSECTION\n2\nENTITIES\n0\nPOLYLINE\n8\nCUT\n66\n1\n70\n1\n{corners}0\nSEQEND\n0\nENDSEC\n0\nEOF\n");
-    place.write("square.dxf", drawing);
-    let drawn = ratio("planform = \"polygon\"\noutline = \"square.dxf\"\noutline_layer = \"CUT\"");
-    assert!((drawn - square).abs() < 1e-12, "{drawn} {square}");
-    let groove = ratio("planform = \"groove\"");
-    let crossed = simulated(&place, &scene("planform = \"crosshatch\""));
-    assert!((at(&crossed, "/areal_density") - (1.0 - (60.0_f64 / 160.0).powi(2))).abs() < 1e-12);
-    let found = at(&crossed, "/results/1/ratio");
-    assert!(found < groove && groove < square, "{found} {groove} {square}");
-    // Along one family or along the other is one by symmetry; turned as one is the same.
-    for keys in ["sliding_angle_deg = 90", "angle_deg = 25\nsliding_angle_deg = 25"] {
-        let same = ratio(&format!("planform = \"crosshatch\"\n{keys}"));
-        assert!((same - found).abs() < 1e-9, "{keys}: {same} {found}");
-    }
 }
 
 #[test]

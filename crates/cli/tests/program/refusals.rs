@@ -7,22 +7,6 @@ use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::design::Design;
 use slipgrid_io::formats::{Diagnostic, Document};
 
-#[test]
-fn a_refusal_names_file_line_and_key_and_writes_nothing() {
-    for (command, good, line) in [
-        ("simulate", SCENE, "width_um = 130.0"),
-        ("optimize", DESIGN, "min_land_um = 40.0"),
-        ("calibrate", CALIBRATION, "radius_mm = 5.0"),
-    ] {
-        let number = good.lines().position(|found| found == line).unwrap() + 1;
-        let key = line.split(' ').next().unwrap();
-        let folder = Place::with(&[("a.toml", &good.replace(line, &format!("{key} = -1"))), ("flat.csv", FLAT)]);
-        let message = folder.refuse(&format!("{command} a.toml -o out"));
-        assert!(message.starts_with(&format!("error: a.toml:{number}: ")) && message.contains(key), "{message}");
-        assert_eq!(folder.listed(""), "a.toml flat.csv");
-    }
-}
-
 /// The maximum step named in a refusal is itself accepted.
 #[test]
 fn the_stability_limit_that_is_named_is_accepted() {

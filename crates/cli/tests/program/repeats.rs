@@ -82,14 +82,4 @@ fn a_zero_of_the_sensors_is_subtracted_at_all_forces() {
         let told = place.succeed("traces c.toml");
         assert!(told.contains(first) && told.matches("mean of 1  0.2500").count() == others, "{told}");
     }
-    for (keys, more, says) in [
-        ("zero_s = [0.0, 12.0]\n", "", "c.toml:13: traces.zero_s: [0.0, 12.0] reaches into the averaging window"),
-        ("", "zero_s = [50.0, 60.0]\n", "c.toml:18: traces.condition.zero_s: [50.0, 60.0] reaches into the averaging"),
-        ("zero_s = [0.0, 4.5]\n", "", "z-60.txt: the normal force is 11.39991 N at 4.15 s, within the zero"),
-        ("zero_s = [0.0, 0.1]\n", "", "z-60.txt: the zero from 0 to 0.1 s holds 3 samples, one every 0.05 s"),
-    ] {
-        place.write("c.toml", text(keys, more));
-        let refused = place.refuse("traces c.toml");
-        assert!(refused.contains(says), "{says}\n{refused}");
-    }
 }

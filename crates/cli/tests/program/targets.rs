@@ -60,7 +60,13 @@ fn a_killed_run_is_resumed_and_ends_with_the_same_bytes() {
 #[test]
 fn what_keeps_a_target_out_of_reach_is_said_and_lifting_it_suffices() {
     let text = trusted(&free(&design("value = [0.9, 0.82]\ntolerance = 0.03", "min_bearing_area = 0.85")));
-    let place = Place::with(&[("far.toml", &text), ("near.toml", &text.replace("min_bearing_area = 0.85\n", ""))]);
+    let place = Place::with(&[
+        ("far.toml", &text),
+        ("near.toml", &text.replace("min_bearing_area = 0.85\n", "")),
+        ("flat.toml", &design("lowest = 0.95\nhighest = 1.05", "")),
+    ]);
+    assert_eq!(place.optimized("flat", 3).1["advice"], "do_not_texture");
+    place.ends("next far.toml", 3);
     let (told, found) = place.optimized("far", 3);
     let blocked = &found["blocked_by"][0];
     let what = "the limit of bearing area, 0.85";

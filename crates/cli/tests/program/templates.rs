@@ -2,11 +2,11 @@
 
 use crate::common::{CALIBRATION, COMMANDS, Place, names};
 use slipgrid_io::disk::disk;
-use slipgrid_io::formats::Document;
 use slipgrid_io::formats::calibration::Calibration;
 use slipgrid_io::formats::design::Design;
 use slipgrid_io::formats::run::Overrides;
 use slipgrid_io::formats::scene::SceneInput;
+use slipgrid_io::formats::{Diagnostic, Document};
 
 #[test]
 fn templates_run_as_they_are() {
@@ -21,29 +21,6 @@ fn templates_run_as_they_are() {
     Design::read(&disk(), &place.path("design.toml")).unwrap();
 }
 
-/// Commented lines of the design template that contain a key are valid if uncommented.
-#[test]
-fn commented_keys_of_templates_are_known() {
-    let place = Place::with(&[]);
-    place.succeed("new design");
-    let text = place.read("design.toml");
-    let every: String = text
-        .lines()
-        .map(|line| match line.strip_prefix("# ") {
-            // A condition needs a material of its own, and the chance is that of designs on a target, not of a goal.
-            Some(key) if ["condition", "goal ="].iter().any(|name| key.starts_with(name)) => line,
-            Some(key) if key.starts_with('[') => key,
-            Some(key) if key.contains(" = ") && !key.starts_with(char::is_uppercase) => key,
-            _ => line,
-        })
-        .filter(|line| !line.starts_with("depth_per_burst_um"))
-        .map(|line| format!("{line}\n"))
-        .collect();
-    place.write("every.toml", every);
-    let task = Design::read(&disk(), &place.path("every.toml")).unwrap().task;
-    assert!(task.laser.ablation.is_some() && task.laser.speed_mm_s.is_some() && task.specimen.is_clipped);
-}
-
 /// Line of a template without the mark of a comment, if it is a key or a header that is commented out.
 fn uncommented(line: &str) -> Option<&str> {
     let bare = line.strip_prefix("# ")?;
@@ -56,15 +33,17 @@ fn uncommented(line: &str) -> Option<&str> {
 #[test]
 fn no_template_shows_a_key_that_is_refused() {
     let place = Place::with(&[]);
-    let [calibration, scene] = ["calibration", "scene"].map(|template| {
+    let [calibration, scene, design] = ["calibration", "scene", "design"].map(|template| {
         let made = place.succeed(&format!("new {template}"));
-        place.read(if template == "scene" { made.trim_end() } else { "calibration/calibration.toml" })
+        place.read(if template == "calibration" { "calibration/calibration.toml" } else { made.trim_end() })
     });
     let of_calibration = |text: String| Calibration::from_document(&Document::new("c.toml", text)).map(|_| ());
     let of_scene =
         |text: String| SceneInput::from_document(Document::new("s.toml", text), Overrides::default()).map(|_| ());
-    let mut counts = [0, 0];
-    for (number, text) in [calibration, scene].into_iter().enumerate() {
+    let of_design = |text: String| Design::from_document(Document::new("d.toml", text)).map(|_| ());
+    let readers: [&dyn Fn(String) -> Result<(), Diagnostic>; 3] = [&of_calibration, &of_scene, &of_design];
+    let mut counts = [0; 3];
+    for (number, text) in [calibration, scene, design].into_iter().enumerate() {
         let lines: Vec<&str> = text.lines().collect();
         for place in (0..lines.len()).filter(|place| uncommented(lines[*place]).is_some()) {
             // With the commented headers above it.
@@ -73,13 +52,13 @@ fn no_template_shows_a_key_that_is_refused() {
                 let is_header = (block..place).contains(&own) && lines[own].starts_with("# [");
                 uncommented(lines[own]).filter(|_| own == place || is_header).unwrap_or(lines[own]).to_owned() + "\n"
             });
-            let read = if number == 0 { of_calibration(shown.collect()) } else { of_scene(shown.collect()) };
-            let refused = read.err().map_or_else(String::new, |refused| refused.to_string());
+            let refused =
+                readers[number](shown.collect()).err().map_or_else(String::new, |refused| refused.to_string());
             assert!(!refused.contains("is not a known key") && !refused.contains("wrong type"), "{refused}");
             counts[number] += 1;
         }
     }
-    assert!(counts[0] > 120 && counts[1] > 15, "{counts:?}");
+    assert!(counts[0] > 120 && counts[1] > 15 && counts[2] > 30, "{counts:?}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `optimize` with tolerances and trade-offs: content of its files.
 
-use crate::common::{DESIGN, Place, at, limit, small, trusted};
+use crate::common::{DESIGN, Place, at, column, free, limit, row, short_at_one_pressure, small, trusted};
 
 /// Design of a short sample at one pressure, with standard errors as a calibration writes them.
 fn design(more: &str) -> String {
@@ -58,4 +58,26 @@ fn samples_count_a_fitted_depth_per_burst() {
     // dr / d ln(depth) = depth dr / d depth, for a percentage that is told rounded.
     let expected = std("depth") * 0.01 * percent * at(&found, "/design/depth_um") / 0.5;
     assert!(percent >= 1.0 && (std("depth per burst") / expected - 1.0).abs() < 0.6 / percent, "{found}");
+}
+
+/// Contributions of the inputs add up to the scatter of samples. The chosen designs hardly depend on the modulus to
+/// first order, so that the second order dominates and is listed.
+#[test]
+fn the_limits_are_all_that_scatters_samples() {
+    let tolerances = "[tolerances]\nwidth_std_um = 6.0\nspacing_std_um = 1.0\ndepth_std_um = 0.2\n";
+    let modulus = "density_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.08\n";
+    let text = free(&trusted(&short_at_one_pressure("value = 0.88\ntolerance = 0.02", tolerances)))
+        .replace("density_g_cm3 = 0.9\n", modulus);
+    let found = Place::with(&[("a.toml", &text)]).optimized("a", 0).1;
+    let sum = column(&found["limited_by"], "/std/0").iter().map(|std| std.powi(2)).sum::<f64>().sqrt();
+    let width = at(&found, "/expected/0/high_95") - at(&found, "/expected/0/low_95");
+    assert!((width / (2.0 * 1.96) / sum - 1.0).abs() < 0.1, "{width} {}", found["limited_by"]);
+    // In the order of what they cost in whole per cent, and none lowers the chance once it is known.
+    let known = column(&found["limited_by"], "/chance_if_known");
+    assert!(known.is_sorted_by(|a, b| *a > b - 0.01) && known.iter().all(|known| *known >= at(&found, "/chance")));
+    // A texture made to 6 um scatters by six times what its median changes along a micrometre.
+    let along = 6.0 * at(row(&found["slopes"], "dimension", "width_um").unwrap(), "/per_um/0").abs();
+    assert!((at(limit(&found, "width"), "/std/0") / along - 1.0).abs() < 0.1, "{along} {}", found["limited_by"]);
+    let first = &found["limited_by"][0];
+    assert!(first["input"] == "Young's modulus" && at(first, "/chance_if_known") > 1.5 * at(&found, "/chance"));
 }

@@ -119,25 +119,6 @@ fn a_hidden_rim_is_on_target_within_three_cuts() {
     assert!(high / low > 1.5, "before the first trial nothing is known: {low} {high}");
 }
 
-#[test]
-#[ignore = "takes ten to twenty seconds of both cores"]
-fn several_samples_complement_each_other_and_those_that_are_pending() {
-    let place = place();
-    place.write("design.toml", design([0.85, 0.83, 0.8]));
-    let alone = next(&place, "--count 3 --candidate 100,300,10.4 -o out");
-    let first = at(&alone, "/samples/0/chance");
-    assert_eq!(alone["samples"].as_array().unwrap().len(), 3);
-    assert!(at(&alone, "/one_on_target") > first - 0.02, "{alone}");
-    assert_eq!(lengths(&alone["own"][0]["design"]), [100.0, 300.0, 10.4]);
-    // The first of them pending, another comes next, and together they are as good as two at once.
-    let own = lengths(&alone["samples"][0]["design"]);
-    place.write("calibration.toml", format!("{CALIBRATION}{}", trial("first", own, "")));
-    let after = next(&place, "");
-    assert_eq!((at(&after, "/pending"), at(&after, "/trials")), (1.0, 0.0));
-    assert_ne!(lengths(&after["samples"][0]["design"]), own);
-    assert!(at(&after, "/one_on_target") >= first - 0.02, "{after}");
-}
-
 /// A material file is reported as outdated if its calibration has a trial that was added later.
 #[test]
 fn a_material_is_told_from_its_calibration_that_has_changed_since() {

@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn rims_have_the_height_of_their_cavities_and_bad_ones_are_refused_by_their_key() {
+    fn rims_have_the_height_of_their_cavities_and_bad_records_are_refused_by_their_key() {
         let with = |rim: Rim, depth_m: f64| {
             let texture = Texture::new(Planform::Groove).with_rim(rim);
             PatternReport::from(&Pattern::new(texture, 1e-4, 2e-4, depth_m).unwrap())
@@ -171,6 +171,8 @@ mod tests {
             ("rim_width_um", TextureRecord { rim_width_um: Some(0.0), ..texture.clone() }),
             ("rim_profile", TextureRecord { rim_profile: Some("square".to_owned()), ..texture.clone() }),
             ("rim_height_std_um", TextureRecord { rim_height_std_um: Some(f64::NAN), ..texture.clone() }),
+            ("arrangement", TextureRecord { arrangement: Some("staggered".to_owned()), ..texture.clone() }),
+            ("sliding_angle_deg", TextureRecord { sliding_angle_deg: Some(200.0), ..texture.clone() }),
         ] {
             assert_eq!(bad.texture(None).unwrap_err().key, key);
         }

@@ -75,6 +75,8 @@ mod tests {
             ("map.asc", "# Channel: altitude\n# Width: 1 mm\n", false),
             ("period.asc", "# Channel: mean period\n# mean period of measured cavities, by slipgrid\n", true),
             ("section.csv", "x_um,height_um\n0,1\n", false),
+            ("interface.csv", "load_mpa,surface,x_um,pressure_mpa,friction_mpa\nmine\n", false),
+            ("process.toml", "# Process sheet. Mine\n", false),
             ("pattern.dxf", "0\nSECTION", false),
         ] {
             assert_eq!(has_mark(name, head.as_bytes()), ours, "{name} {head}");
