@@ -8,8 +8,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
-mod draws;
-mod generator;
 mod physics;
 mod policy;
 mod report;
@@ -19,12 +17,10 @@ use rayon::prelude::*;
 use slipgrid_base::statistics::{Normals, normal_probability};
 use slipgrid_infer::discrepancy::{DimensionShift, Trial};
 
-use draws::{around, is_within};
-use generator::Generator;
 use physics::{LOADS, Solved};
-use policy::{Informed, Known, all_dimension_shifts, candidate, learned, wanted};
+use policy::{Known, all_dimension_shifts, candidate, learned, wanted};
 use slipgrid_io::Failure;
-use truth::Laboratory;
+use truth::{Laboratory, around, is_within};
 
 pub use policy::Policy;
 pub use report::{ChanceBin, Coverage, LaboratoriesReport, PolicyReport, Reliability, StartReport};
@@ -110,15 +106,10 @@ impl Job {
 /// Relation of a target to the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TargetOf {
-    /// Some texture truly reaches the target; only [`Policy::Generator`] is told so.
+    /// Some texture truly reaches the target, which no policy is told.
     Reached,
     /// An arbitrary target, which possibly no texture reaches.
     Any,
-}
-
-impl TargetOf {
-    /// Both kinds.
-    pub const ALL: [Self; 2] = [Self::Reached, Self::Any];
 }
 
 /// Course of one laboratory towards its target.
@@ -137,8 +128,6 @@ pub struct Bench {
     options: Options,
     textures: Vec<Solved>,
     dimension_shifts: Vec<Vec<DimensionShift>>,
-    /// Model of laboratories for [`Policy::Generator`].
-    generator: Generator,
 }
 
 /// Laboratory before its first cut for the target.
@@ -171,11 +160,6 @@ const FALL: f64 = 0.08;
 /// Minimum distance of a target from 1.
 const NEAR_FLAT: f64 = 0.03;
 
-/// Contribution of a `fall` with pressure to the target at a load.
-fn at_fall(fall: f64, load: usize) -> f64 {
-    fall * (0.5 - load as f64 / (LOADS - 1) as f64)
-}
-
 /// Draws a target, a ratio at the middle pressures and a fall with pressure, independent of the truth; for
 /// [`TargetOf::Reached`] until some texture reaches it.
 fn target(truths: &[[f64; LOADS]], of: TargetOf, normals: &mut Normals) -> [f64; LOADS] {
@@ -185,7 +169,7 @@ fn target(truths: &[[f64; LOADS]], of: TargetOf, normals: &mut Normals) -> [f64;
         if (middle - 1.0).abs() < NEAR_FLAT {
             continue;
         }
-        let wanted: [f64; LOADS] = std::array::from_fn(|load| middle + at_fall(fall, load));
+        let wanted: [f64; LOADS] = std::array::from_fn(|load| middle + fall * (0.5 - load as f64 / (LOADS - 1) as f64));
         let near = around(&wanted, REACHED * truth::TOLERANCE);
         if of == TargetOf::Any || truths.iter().any(|truth| is_within(truth, &near)) {
             return wanted;
@@ -206,8 +190,7 @@ impl Bench {
     pub fn new(options: &Options) -> Result<Self, Failure> {
         let textures = physics::textures(options.steps)?;
         let dimension_shifts = all_dimension_shifts(&textures);
-        let generator = Generator::new(&textures, &Mechanism::ALL);
-        Ok(Self { options: *options, textures, dimension_shifts, generator })
+        Ok(Self { options: *options, textures, dimension_shifts })
     }
 
     /// Creates a laboratory with its target and the measurements of its start.
@@ -237,7 +220,7 @@ impl Bench {
     pub fn way(&self, job: Job) -> Result<Way, Failure> {
         let (Self { options, textures, dimension_shifts, .. }, policy) = (self, job.policy);
         let Begun { mut laboratory, truths, target, mut cut, mut trials } = self.begin(job);
-        let (wanted, judged_from) = (wanted(&target), trials.len());
+        let wanted = wanted(&target);
         let mut found = Way { trials: None, chances: Vec::new(), below: Vec::new() };
         let most = match job.target {
             TargetOf::Reached => options.most_trials,
@@ -252,23 +235,11 @@ impl Bench {
                 target: &target,
                 form: laboratory.form(),
                 truths: &truths,
-                noise: laboratory.noise,
-                judged_from,
             };
-            let informed = (policy == Policy::Generator)
-                .then(|| Informed::new(&self.generator, job.target == TargetOf::Reached, &known))
-                .transpose()?;
-            let place = match &informed {
-                Some(informed) => informed.next(&known)?,
-                None => policy.next(&known)?,
-            };
+            let place = policy.next(&known)?;
             let of = &textures[place];
             let made = laboratory.cut(of);
             let is_on_target = is_within(&made.truth, &around(&target, truth::TOLERANCE));
-            if let Some(informed) = &informed {
-                found.chances.push((informed.chance(place), is_on_target));
-                found.below.extend(informed.below(place, &made.trial));
-            }
             if let Some(hyper) = policy.hyperparameters(laboratory.form()) {
                 let prediction = learned(&hyper, &trials)?.of(&candidate(of, &dimension_shifts[place]));
                 found.chances.push((wanted.score(&prediction, &of.ratio).chance, is_on_target));

@@ -6,10 +6,8 @@ use slipgrid_infer::discrepancy::{
     Wanted,
 };
 
-use super::draws::{Draws, around, between};
-use super::generator::{Generator, Seen, logs};
 use super::physics::{LOADS, Solved, loads};
-use super::truth::{MODULUS_STD, TOLERANCE, dimension_shifts};
+use super::truth::{MODULUS_STD, TOLERANCE, around, dimension_shifts};
 use slipgrid_io::Failure;
 
 /// Standard deviation of the Gaussian process.
@@ -18,10 +16,6 @@ const PROCESS_STD: f64 = 0.2;
 const FINALISTS: usize = 8;
 /// Number of draws for the expected improvement.
 const DRAWS: usize = 64;
-/// Numbers of drawn laboratories for the chances of [`Policy::Generator`], tried in turn until the effective number is
-/// sufficient.
-const INFORMED_DRAWS: [usize; 3] = [2048, 8192, 32768];
-const ENOUGH_DRAWS: f64 = 600.0;
 
 /// Policy that chooses the next texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,16 +37,13 @@ pub enum Policy {
     /// Maximum chance by the mechanism's own form alone, if it belongs to the family; shows the value of knowing the
     /// form.
     Form,
-    /// Maximum chance by the exact posterior of [`Generator`], which also knows that the target is reached; an upper
-    /// bound for every learner.
-    Generator,
     /// Minimum misfit by the true ratios, without the scatter of samples; an upper bound for every policy.
     Truth,
 }
 
 impl Policy {
     /// All policies.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 9] = [
         Self::Mixture,
         Self::Physics,
         Self::Constant,
@@ -61,7 +52,6 @@ impl Policy {
         Self::Process,
         Self::Improvement,
         Self::Form,
-        Self::Generator,
         Self::Truth,
     ];
 
@@ -76,7 +66,6 @@ impl Policy {
             Self::Process => "Gaussian process",
             Self::Improvement => "expected improvement",
             Self::Form => "the form known, not its size",
-            Self::Generator => "how laboratories are made known",
             Self::Truth => "the truth known",
         }
     }
@@ -147,10 +136,6 @@ pub struct Known<'a> {
     pub form: Option<Form>,
     /// True ratios of each texture; only for [`Policy::Truth`].
     pub truths: &'a [[f64; LOADS]],
-    /// Relative standard error of one measurement.
-    pub noise: f64,
-    /// Number of trials that were available at the start; the later ones were cut for the target and missed it.
-    pub judged_from: usize,
 }
 
 impl Policy {
@@ -200,7 +185,6 @@ impl Policy {
             Self::Mixture | Self::Form => by_chance(&self.hyperparameters(known.form).unwrap_or_default())?,
             Self::Process => by_chance(&process())?,
             Self::Improvement => improvement(known)?,
-            Self::Generator => None,
             Self::Truth => nearest(&|place, load| known.truths[place][load]),
             Self::Physics => by_factor(&|_| 1.0),
             Self::Constant => by_factor(&|_| mean(&at_load).exp()),
@@ -214,61 +198,6 @@ impl Policy {
             Self::Last => by_factor(&|load| excess(load).last().copied().unwrap_or(0.0).exp()),
         };
         found.ok_or_else(|| Failure::Failed("laboratories: every texture has been cut".to_owned()))
-    }
-}
-
-/// Posterior of [`Policy::Generator`] before a cut.
-pub struct Informed<'a> {
-    generator: &'a Generator,
-    draws: Draws,
-    chances: Vec<f64>,
-    noise: f64,
-}
-
-impl<'a> Informed<'a> {
-    /// Computes the posterior from the measurements, from the knowledge that the samples cut for the target missed it,
-    /// and, with `is_reached`, that some texture reaches it.
-    ///
-    /// # Errors
-    /// [`Failure::Failed`] if no drawn laboratory is consistent with the knowledge.
-    pub fn new(generator: &'a Generator, is_reached: bool, known: &Known<'_>) -> Result<Self, Failure> {
-        let seen =
-            |(number, (trial, place)): (usize, (&Trial, &usize))| Seen::new(trial, *place, number >= known.judged_from);
-        let seen: Vec<Seen> = known.trials.iter().zip(known.cut).enumerate().map(seen).collect();
-        let wanted = between(known.target, TOLERANCE);
-        let mut draws = Draws::default();
-        for count in INFORMED_DRAWS {
-            let all = generator.draws(&seen, known.noise, &wanted, count);
-            draws = if is_reached { all.of_reached(generator, known.target) } else { all };
-            if draws.effective() >= ENOUGH_DRAWS {
-                break;
-            }
-        }
-        if draws.all.is_empty() {
-            return Err(Failure::Failed("laboratories: none that was drawn can be the one at hand".to_owned()));
-        }
-        let chances = draws.chances(generator, &wanted);
-        Ok(Self { generator, draws, chances, noise: known.noise })
-    }
-
-    /// Index of the texture with the highest chance that has not been cut.
-    ///
-    /// # Errors
-    /// [`Failure::Failed`] if every texture has been cut.
-    pub fn next(&self, known: &Known<'_>) -> Result<usize, Failure> {
-        let open = (0..self.chances.len()).filter(|place| !known.cut.contains(place));
-        let best = open.max_by(|a, b| self.chances[*a].total_cmp(&self.chances[*b]));
-        best.ok_or_else(|| Failure::Failed("laboratories: every texture has been cut".to_owned()))
-    }
-
-    /// Chance that a sample of the texture at `place` is on target.
-    pub fn chance(&self, place: usize) -> f64 {
-        self.chances[place]
-    }
-
-    /// Predicted probability of a value below the measured one, at each load.
-    pub fn below(&self, place: usize, trial: &Trial) -> [f64; LOADS] {
-        self.draws.below(self.generator, place, self.noise, &logs(trial))
     }
 }
 

@@ -22,7 +22,7 @@ pub struct LaboratoriesReport {
     /// Reliability of predicted chances, over all starts.
     pub chances: Vec<Reliability>,
     /// Results of the mixture by mechanism, over all starts: trials, and coverage of the intervals for the next trial's
-    /// ratios. The last entry is that of the policy that knows how laboratories are generated.
+    /// ratios.
     pub coverage: Vec<Coverage>,
 }
 
@@ -83,8 +83,8 @@ impl Reliability {
         Self { of: of.to_owned(), all: bin(said), bins }
     }
 
-    /// Reliability of the mixture, of the known form and of the generator for targets that some texture reaches, and of
-    /// the mixture for arbitrary targets.
+    /// Reliability of the mixture and of the known form for targets that some texture reaches, and of the mixture for
+    /// arbitrary targets.
     fn all(jobs: &[Job], ways: &[Way]) -> Vec<Self> {
         let said = |is_own: &dyn Fn(&Job) -> bool| -> Vec<(f64, bool)> {
             let own = jobs.iter().zip(ways).filter(|(job, _)| is_own(job));
@@ -94,10 +94,6 @@ impl Reliability {
         let mut found = vec![
             Self::new("targets that some texture reaches, which nobody is told", &said(&mixture)),
             Self::new("the same with the form known", &said(&|job| job.policy == Policy::Form)),
-            Self::new(
-                "the same with how laboratories are made known, and that the target is reached",
-                &said(&|job| job.policy == Policy::Generator && job.target == TargetOf::Reached),
-            ),
             Self::new(
                 "targets whether a texture reaches them or not, first three cuts",
                 &said(&|job| job.policy == Policy::Mixture && job.target == TargetOf::Any),
@@ -122,7 +118,7 @@ pub struct ChanceBin {
 /// Fraction of measured ratios within the predicted intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coverage {
-    /// Name of the mechanism; "all" for all mechanisms, with the policy if it is not the mixture.
+    /// Name of the mechanism; "all" for all mechanisms.
     pub mechanism: String,
     /// Number of measured ratios.
     pub ratios: usize,
@@ -153,8 +149,9 @@ impl LaboratoriesReport {
             }
             starts.push(StartReport { start: start.name().to_owned(), policies });
         }
-        let coverage = |name: &str, policy: Policy, of: &dyn Fn(Mechanism) -> bool| {
-            let is_own = |job: &Job| job.policy == policy && job.target == TargetOf::Reached && of(job.mechanism());
+        let coverage = |name: &str, of: &dyn Fn(Mechanism) -> bool| {
+            let is_own =
+                |job: &Job| job.policy == Policy::Mixture && job.target == TargetOf::Reached && of(job.mechanism());
             let below: Vec<f64> = jobs
                 .iter()
                 .zip(ways)
@@ -177,12 +174,9 @@ impl LaboratoriesReport {
                 within_3: tidy(trials.iter().filter(|trials| **trials <= 3).count() as f64 / count),
             }
         };
-        let mut coverages = vec![coverage("all", Policy::Mixture, &|_| true)];
-        let of = |own: &Mechanism| coverage(own.name(), Policy::Mixture, &|mechanism| mechanism == *own);
+        let mut coverages = vec![coverage("all", &|_| true)];
+        let of = |own: &Mechanism| coverage(own.name(), &|mechanism| mechanism == *own);
         coverages.extend(Mechanism::ALL.iter().map(of));
-        if jobs.iter().any(|job| job.policy == Policy::Generator) {
-            coverages.push(coverage(&format!("all, {}", Policy::Generator.name()), Policy::Generator, &|_| true));
-        }
         Self {
             laboratories: options.laboratories,
             most_trials: options.most_trials,

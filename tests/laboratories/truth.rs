@@ -217,6 +217,16 @@ impl Laboratory {
     }
 }
 
+/// Lower and upper limits of ratios within `distance` of `target`.
+pub fn around(target: &[f64; LOADS], distance: f64) -> [[f64; LOADS]; 2] {
+    [-distance, distance].map(|distance| target.map(|ratio| ratio + distance))
+}
+
+/// Whether every value is within its limits.
+pub fn is_within(values: &[f64; LOADS], [lower, upper]: &[[f64; LOADS]; 2]) -> bool {
+    (0..LOADS).all(|load| (lower[load]..=upper[load]).contains(&values[load]))
+}
+
 /// Errors of the dimensions of a sample with the features `of` and ratios near `ratio`.
 pub fn dimension_shifts(of: Features, ratio: &[f64; LOADS]) -> Vec<DimensionShift> {
     let log_ratio = ratio.iter().map(|ratio| DIMENSIONS_STD * ratio.ln()).collect();
