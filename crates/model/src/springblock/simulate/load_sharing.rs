@@ -26,6 +26,7 @@ pub mod body;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::material::AreaLaw;
 use crate::pattern::{Pattern, Planform};
 use rayon::prelude::*;
 
@@ -39,9 +40,15 @@ use body::{FacePressure, Foundation, face_pressure};
 /// Relative standard error of the change of the friction ratio by load sharing
 /// (`strips_share_the_load_as_all_blocks_of_the_specimen_say`).
 pub const RELATIVE_ERROR: f64 = 0.15;
-/// Maximum step, in units of the nominal pressure, between pressures at which the friction of cells is solved; friction
-/// is interpolated linearly.
-const PRESSURE_STEP: f64 = 0.25;
+/// Maximum step of the logarithm of the pressure between cells that are solved.
+const PRESSURE_STEP: f64 = 0.7;
+/// Number of pressures in each such step at which friction follows from the local pressures of the cells at its ends;
+/// between them it is interpolated linearly.
+const FINE: usize = 12;
+/// Least pressure, in units of the nominal pressure, at which cells are solved; parts under less have the same coefficient.
+const LEAST_PRESSURE: f64 = 0.1;
+/// Cells in space are solved until the residual force over the load is this small.
+const BALANCE: f64 = 1e-6;
 /// Excess compliance C of solid pieces, as a fraction of the height of the body; exactly it would be zero.
 pub const SOLID_COMPLIANCE: f64 = 1e-4;
 /// Maximum number of columns and minimum number of rows of the cells that determine compliances of a thick specimen.
@@ -290,92 +297,102 @@ fn parts_friction(
     (0..scene.loads.len()).map(|place| friction.force(place, parts.iter().copied())).collect()
 }
 
-/// Those of `loads` at the pressure of `load` with the least and the greatest coefficient.
-fn bounds<'a>(loads: &'a [Load], load: &'a Load) -> [&'a Load; 2] {
-    let alike = || loads.iter().filter(|other| other.pressure_pa == load.pressure_pa);
-    let order = |a: &&Load, b: &&Load| a.friction.dynamic_mean().total_cmp(&b.friction.dynamic_mean());
-    [alike().min_by(order), alike().max_by(order)].map(|found| found.unwrap_or(load))
-}
-
-/// Friction coefficient of cells of one pattern, or of solid parts, as a function of pressure.
+/// Friction of cells of one pattern, or of solid parts, as a function of pressure.
 pub struct CellFriction<'a> {
-    loads: &'a [Load],
-    /// Lowest solved pressure relative to the nominal pressure.
-    least: f64,
-    /// Distance between solved pressures, relative to the nominal pressure.
+    scene: &'a Scene,
+    /// Logarithm of the lowest pressure of `factors`, in pascals, and its step to the next.
+    lowest: f64,
     step: f64,
-    /// Number of steps from the lowest to the highest solved pressure, one less than the number of solved pressures.
-    steps: usize,
-    /// Friction coefficients, ordered by load and then by pressure; `None` if the cell has no solution.
-    mu: Vec<Option<f64>>,
+    /// Least and greatest local coefficient of a load.
+    coefficients: [f64; 2],
+    /// Friction coefficient of cells over the local one, for each of `coefficients`; `None` if the cell has no solution.
+    /// Empty for solid parts, for which it is the area factor f.
+    factors: Vec<[Option<f64>; 2]>,
 }
 
 impl<'a> CellFriction<'a> {
-    /// Solves cells of the pattern `cell`, or solid parts, at the loads of `scene` over the range of pressures of
-    /// `parts`. Solves stop without a result when `monitor` cancels.
+    /// Solves cells of the pattern `cell`, or solid parts, over the range of pressures of `parts` at the loads of
+    /// `scene`. Solves stop without a result when `monitor` cancels.
+    ///
+    /// Friction depends on the pressure itself, whatever the nominal one, and is very nearly linear in the local
+    /// coefficient (`parts_rub_like_cells_under_their_pressures`).
     pub fn new<'b>(
         scene: &'a Scene,
         cell: Option<(&Pattern, Dimension)>,
         parts: impl Iterator<Item = &'b LoadShare>,
         monitor: &dyn Monitor,
     ) -> Self {
-        let range = parts.map(|part| part.pressure.max(0.0));
-        let (least, most) = range.fold((f64::INFINITY, 0.0_f64), |(least, most), at| (least.min(at), most.max(at)));
-        let steps = ((most - least) / PRESSURE_STEP).ceil() as usize;
-        let step = (most - least) / steps.max(1) as f64;
-        // Of loads at one pressure, cells are solved at the bounds of the coefficient; friction is interpolated between
-        // them (`loads_between_others_have_the_change_of_their_own`).
-        let mut different: Vec<&Load> = Vec::new();
-        for load in scene.loads.iter().flat_map(|load| bounds(&scene.loads, load)) {
-            if !different.contains(&load) {
-                different.push(load);
-            }
-        }
-        let at_pressures = |load: &Load| -> Vec<Load> {
-            let at = |number: usize| Load { pressure_pa: load.pressure_pa * (least + step * number as f64), ..*load };
-            (0..=steps).map(at).collect()
+        let coefficient = |load: &&Load| load.friction.dynamic_mean();
+        let order = |a: &&Load, b: &&Load| coefficient(a).total_cmp(&coefficient(b));
+        let bounds = scene.loads.iter().min_by(order).zip(scene.loads.iter().max_by(order));
+        let ends = |of: &mut dyn Iterator<Item = f64>| {
+            of.fold([f64::INFINITY, 0.0_f64], |[least, most], at| [least.min(at), most.max(at)])
         };
-        let loads: Vec<Load> = different.iter().copied().flat_map(at_pressures).collect();
-        let solved: Vec<Option<f64>> = if let Some((pattern, dimension)) = cell {
-            let cell = SteadyCell::with_dimension(&Scene { loads: loads.clone(), ..scene.clone() }, dimension);
-            let outcomes = cell.solve_heeding(pattern, monitor);
-            // A part without pressure has no friction.
-            let mu = |(outcome, load): (CellOutcome, &Load)| {
-                if load.pressure_pa > 0.0 { outcome.ratio.and(outcome.surface.mu_dynamic) } else { Some(0.0) }
+        let nominal_pa = ends(&mut scene.loads.iter().map(|load| load.pressure_pa).filter(|at_pa| *at_pa > 0.0));
+        let solid = Self { scene, lowest: 0.0, step: 1.0, coefficients: [0.0; 2], factors: Vec::new() };
+        let asked = cell.zip(bounds).filter(|_| nominal_pa[1] > 0.0);
+        let Some(((pattern, dimension), (low, high))) = asked else { return solid };
+        let shares = ends(&mut parts.map(|part| part.pressure.max(LEAST_PRESSURE)));
+        let [lowest, highest] = [0, 1].map(|end| (shares[end] * nominal_pa[end]).ln());
+        let steps = ((highest - lowest) / PRESSURE_STEP).ceil().max(1.0) as usize;
+        let step = (highest - lowest) / (steps * FINE) as f64;
+        let pressure_pa = |number: usize| (lowest + step * number as f64).exp();
+        let at = |number: usize| [low, high].map(|load| Load { pressure_pa: pressure_pa(number * FINE), ..*load });
+        let loads = (0..=steps).flat_map(at).collect();
+        let model = SteadyCell::with_dimension(&Scene { loads, ..scene.clone() }, dimension).balanced_to(BALANCE);
+        let solved = model.solve_heeding(pattern, monitor);
+        let law = scene.area_law.as_ref();
+        let factors = |number: usize| {
+            let (before, share) = (number / FINE, (number % FINE) as f64 / FINE as f64);
+            let from = |place: usize, bound: usize| {
+                scaled(law, solved.get(2 * place + bound)?, pressure_pa(place * FINE), pressure_pa(number))
             };
-            outcomes.into_iter().zip(&loads).map(mu).collect()
-        } else {
-            loads.iter().map(|load| Some(load.flat_mu(scene.area_law.as_ref()))).collect()
+            [0, 1].map(|bound| {
+                let next = if share > 0.0 { share * from(before + 1, bound)? } else { 0.0 };
+                Some((1.0 - share) * from(before, bound)? + next)
+            })
         };
-        let solved_at = |load: &Load| -> &[Option<f64>] {
-            let place = different.iter().position(|other| *other == load).unwrap_or(0);
-            &solved[place * (steps + 1)..][..=steps]
-        };
-        let between = |load: &Load| -> Vec<Option<f64>> {
-            let [low, high] = bounds(&scene.loads, load);
-            let [from, own, to] = [low, load, high].map(|load| load.friction.dynamic_mean());
-            let share = if from < to { (own - from) / (to - from) } else { 0.0 };
-            let ends = solved_at(low).iter().zip(solved_at(high));
-            ends.map(|(low, high)| Some((*low)? + share * ((*high)? - (*low)?))).collect()
-        };
-        let mu = scene.loads.iter().flat_map(between).collect();
-        Self { loads: &scene.loads, least, step, steps, mu }
+        let factors = (0..=steps * FINE).map(factors).collect();
+        Self { lowest, step, coefficients: [coefficient(&low), coefficient(&high)], factors, ..solid }
     }
 
     /// Friction force of `parts` at the load with the index `place`, in newtons; `None` if a required cell has no
     /// friction.
     pub fn force<'b>(&self, place: usize, mut parts: impl Iterator<Item = &'b LoadShare>) -> Option<f64> {
-        let &Self { least, step, steps, .. } = self;
-        let mu = &self.mu[place * (steps + 1)..(place + 1) * (steps + 1)];
+        let nominal = &self.scene.loads[place];
         parts.try_fold(0.0, |sum, part| {
-            let at = if step > 0.0 { (part.pressure.max(0.0) - least) / step } else { 0.0 };
-            let low = (at as usize).min(steps.saturating_sub(1));
-            // The friction stress mu p is nearly linear in p.
-            let stress = |number: usize| Some(mu[number]? * (least + step * number as f64));
-            let between = stress(low)? + (at - low as f64) * (stress((low + 1).min(steps))? - stress(low)?);
-            Some(sum + part.area_m2 * self.loads[place].pressure_pa * between)
+            let load = Load { pressure_pa: nominal.pressure_pa * part.pressure.max(0.0), ..*nominal };
+            Some(sum + part.area_m2 * load.pressure_pa * load.friction.dynamic_mean() * self.factor(&load)?)
         })
     }
+
+    /// Friction coefficient of a cell under `load` over the local one; `None` if a required cell has no friction.
+    fn factor(&self, load: &Load) -> Option<f64> {
+        let Some(last) = self.factors.len().checked_sub(2) else {
+            return Some(self.scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa)));
+        };
+        let at = ((load.pressure_pa.ln() - self.lowest) / self.step).clamp(0.0, (last + 1) as f64);
+        let first = (at as usize).min(last);
+        let [low, high] = self.coefficients;
+        let share = if low < high { (load.friction.dynamic_mean() - low) / (high - low) } else { 0.0 };
+        let [from, to] = [first, first + 1].map(|number| {
+            let [low, high] = self.factors[number];
+            Some(low? + share * (high? - low?))
+        });
+        Some(from? + (at - first as f64) * (to? - from?))
+    }
+}
+
+/// Friction coefficient of the cell `solved` at `from_pa` over the local one, if its local pressures were in proportion to
+/// the nominal pressure up to `to_pa`, as they very nearly are; `None` if the cell has no ratio.
+fn scaled(law: Option<&AreaLaw>, solved: &CellOutcome, from_pa: f64, to_pa: f64) -> Option<f64> {
+    let Some(law) = law else { return solved.ratio };
+    let friction = |nominal_pa: f64| {
+        let mut near = 0;
+        let local_pa = solved.surface.interface.iter().map(|point| point.pressure_pa.max(0.0));
+        local_pa.map(|own_pa| own_pa * law.factor_near(own_pa * nominal_pa / from_pa, &mut near)).sum::<f64>()
+    };
+    Some(solved.ratio? * law.factor(from_pa) * friction(to_pa) / friction(from_pa))
 }
 
 #[cfg(test)]

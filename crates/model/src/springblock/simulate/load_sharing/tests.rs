@@ -117,3 +117,37 @@ fn cavities_everywhere_are_the_cell_and_sides_change_little() {
         assert!((found.unwrap() - (thick.unwrap() - layer.unwrap())).abs() < 3e-4, "{found:?}");
     }
 }
+
+/// Parts of a face, from hardly pressed to the edges of a tilted specimen, against cells solved under each pressure.
+#[test]
+fn parts_rub_like_cells_under_their_pressures() {
+    let (mut squares, mut count) = (0.0, 0);
+    for (planform, dimension) in [(Planform::Groove, Dimension::Plane), (Planform::Square, Dimension::Space)] {
+        for [width, spacing, depth] in [[130.0, 370.0, 5.0], [60.0, 60.0, 20.0]] {
+            let pattern = samples::pattern(planform, width, spacing, depth);
+            let scene = samples::scene(pattern, &[0.65, 2.6, 1.3], RunOptions::default());
+            let own = [0.25, 0.3, 0.35].map(|mu| LocalFriction::new(1.1 * mu, mu, 0.0).unwrap());
+            let loads = scene.loads.iter().zip(own).map(|(load, friction)| Load { friction, ..*load }).collect();
+            let area_law = Some(AreaLaw::new(vec![0.7e6, 1e6, 2e6, 10e6], vec![1.0, 0.95, 0.8, 0.4]).unwrap());
+            let scene = Scene { loads, area_law, ..scene };
+            let parts =
+                [0.0, 0.1, 0.3, 0.6, 0.9, 1.0, 1.1, 1.5, 2.2, 3.0].map(|pressure| LoadShare::solid(1e-6, pressure));
+            let found = CellFriction::new(&scene, Some((&pattern, dimension)), parts.iter(), &Unwatched);
+            for (place, load) in scene.loads.iter().enumerate() {
+                assert_eq!(found.force(place, parts[..1].iter()), Some(0.0));
+                for part in &parts[1..] {
+                    let under = Load { pressure_pa: part.pressure * load.pressure_pa, ..*load };
+                    let cell = SteadyCell::with_dimension(&Scene { loads: vec![under], ..scene.clone() }, dimension);
+                    let mu = cell.solve(&pattern)[0].surface.mu_dynamic.unwrap();
+                    let off =
+                        found.force(place, std::iter::once(part)).unwrap() / (1e-6 * under.pressure_pa * mu) - 1.0;
+                    assert!(off.abs() < 2e-3, "{planform} {width} {place} {}: {off}", part.pressure);
+                    squares += off * off;
+                    count += 1;
+                }
+            }
+        }
+    }
+    let rms = (squares / f64::from(count)).sqrt();
+    assert!(rms < 5e-4, "{rms}");
+}
