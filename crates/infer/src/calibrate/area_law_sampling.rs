@@ -12,8 +12,8 @@ use slipgrid_base::units::LENGTH_UM;
 /// Default number of windows along each side.
 pub const DEFAULT_WINDOWS: usize = 2;
 /// Relative error tolerance of the contact solver for windows and coarser maps. Contact areas are accurate to about
-/// 3e-5, far below the differences between windows.
-pub const STATISTICS_TOLERANCE: f64 = 1e-5;
+/// 1e-4, far below the differences between windows.
+pub const STATISTICS_TOLERANCE: f64 = 1e-4;
 /// Minimum number of points along a side of a default window.
 const MIN_DEFAULT_PIXELS: usize = 32;
 
@@ -171,7 +171,10 @@ fn factors_of(
     request: &AreaLawRequest<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Option<Vec<f64>>, ContactError> {
-    let curve = area_curve(map, request.contact_modulus_pa, request.pressures_pa, STATISTICS_TOLERANCE, monitor)?;
+    // Below the threshold f is 1.
+    let first = request.pressures_pa.partition_point(|pressure_pa| *pressure_pa <= request.threshold_pa).max(1) - 1;
+    let solved_pa = &request.pressures_pa[first..];
+    let curve = area_curve(map, request.contact_modulus_pa, solved_pa, STATISTICS_TOLERANCE, monitor)?;
     let law = area_law(&curve.points, request.threshold_pa).ok();
     Ok(law.map(|law| request.pressures_pa.iter().map(|&pressure_pa| law.factor(pressure_pa)).collect()))
 }
