@@ -295,7 +295,7 @@ impl Search<'_> {
         let (modelled, answer) = self.models.at(pattern)?;
         let mut ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
         let content = (self.models.own.content(), pattern);
-        let refine = || self.models.refined(pattern, &answer.ratio).ok_or(());
+        let refine = || self.models.refined(pattern, &answer.ratio, false).ok_or(());
         let refined = cached(self.stage, ("refined ratios", &content), 0.0, refine).ok();
         if let Some((shifts, _)) = &refined {
             ratio.iter_mut().zip(shifts).for_each(|(ratio, shift)| *ratio += shift);

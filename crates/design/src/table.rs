@@ -167,7 +167,7 @@ impl Table {
         // ln (r + s) / r, s the change by smaller blocks; zero if these are too expensive, as in the final evaluation.
         let smaller = |design: &Pattern| {
             let ratios = models.own.steady(design).ok()?.ratio;
-            let Some((shifts, _)) = models.refined(design, &ratios) else { return Some(vec![0.0; loads]) };
+            let Some((shifts, _)) = models.refined(design, &ratios, true) else { return Some(vec![0.0; loads]) };
             Some(ratios.iter().zip(shifts).map(|(ratio, shift)| (shift / ratio).max(-0.5).ln_1p()).collect())
         };
         let blocks = Nodes::new(task, ("blocks", models), &smaller, scope.blocks, &part)?;

@@ -48,6 +48,8 @@ pub struct Finest {
     of_three: [f64; 2],
     /// Maximum number of multiplications of a cell in a fourth size, where lands are flat and three sizes suffice.
     max_fourth_products: f64,
+    /// Minimum depth of a cavity, in units of the finest affordable blocks.
+    min_depth_blocks: f64,
 }
 
 /// Factors of |d_2| and of the tail in the error estimate for refined ratios from more than three block sizes: on 40
@@ -61,10 +63,15 @@ impl Finest {
     /// square, and as solved 0.0016 and 0.0008. The estimate from three sizes is not below the error in 96 % of cases:
     /// their first two differences are large for other reasons than the singular edges that the finest blocks leave. A
     /// fourth size takes at most some hundredths of a second.
-    pub const EXTRAPOLATED: Self = Self { beyond: 0.5, of_three: [1.0, 0.5], max_fourth_products: 2e8 };
+    pub const EXTRAPOLATED: Self =
+        Self { beyond: 0.5, of_three: [1.0, 0.5], max_fourth_products: 2e8, min_depth_blocks: MIN_DEPTH_BLOCKS };
+    /// Like [`Self::EXTRAPOLATED`], for comparisons of many textures, also where the finest affordable blocks hold 1.5
+    /// times in the depth of the cavities.
+    const ROUGH: Self = Self { min_depth_blocks: 1.5, ..Self::EXTRAPOLATED };
     /// As solved, for raised lands, and for grooves that stand for cavities in space. A fourth size takes at most a
     /// quarter of a second: it changes the ratio of the published trial by 1e-4.
-    pub const AS_SOLVED: Self = Self { beyond: 0.0, of_three: FINEST_FACTORS, max_fourth_products: 1e9 };
+    pub const AS_SOLVED: Self =
+        Self { beyond: 0.0, of_three: FINEST_FACTORS, max_fourth_products: 1e9, ..Self::EXTRAPOLATED };
 }
 
 /// Minimum depth of a cavity, in units of the finest blocks, for an estimate of the remainder.
@@ -98,11 +105,15 @@ pub struct BlockRefinement {
 
 /// Effect of smaller blocks on the ratios of `scene`, from steady cells that each take at most `most` multiplications.
 ///
-/// In space smaller cells and grooves are used, together with the ratios `own` of the scene's cell. `None` without a
-/// pattern, if fewer than two finer sizes are possible, if a cell has no ratio, and in space with rims or a measured
+/// In space smaller cells and grooves are used, together with the ratios `own` of the scene's cell. `is_rough` accepts
+/// shallower cavities with flat lands in the plane. `None` without a pattern, if fewer than two finer sizes are possible, if a cell has no ratio, and in space with rims or a measured
 /// relief.
-pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64) -> Option<BlockRefinement> {
-    refinement(scene, scene.pattern.as_ref()?, own, most, &Unwatched).ok()
+pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64, is_rough: bool) -> Option<BlockRefinement> {
+    let pattern = scene.pattern.as_ref()?;
+    if is_rough && scene.dimension() == Dimension::Plane && !scene.is_raised() {
+        return refine_in_plane(scene, pattern, (most, Finest::ROUGH), &Unwatched).ok().map(|(found, _)| found);
+    }
+    refinement(scene, pattern, own, most, &Unwatched).ok()
 }
 
 /// Whether smaller blocks can refine the ratios of `scene` with `pattern`.
@@ -350,7 +361,7 @@ pub fn refine_in_plane(
     let shift = |load: usize| fine[load] + finest.beyond * (fine[load] - middle[load]) - levels[0][load];
     let shifts = (0..fine.len()).map(shift).collect();
     let factor = FACTORS[levels.len() - 1];
-    if !is_deep(factor) {
+    if pattern.depth_m() < finest.min_depth_blocks * factor * scene.layer.block_m {
         let [depth_um, finest_um] = [pattern.depth_m(), factor * scene.layer.block_m].map(um);
         return Err(format!(
             "cavities {depth_um} um deep are shallower than two of the finest blocks, of {finest_um} um"
@@ -377,6 +388,8 @@ pub fn with_block_factor(scene: &Scene, factor: f64) -> Option<Scene> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::springblock::RunOptions;
+    use crate::springblock::tests::samples;
 
     #[test]
     fn a_series_of_known_order_is_bounded_and_not_by_much() {
@@ -423,6 +436,23 @@ mod tests {
     }
 
     #[test]
+    fn rough_changes_of_shallow_cavities_are_those_of_finer_blocks() {
+        for (width, spacing) in [(40.0, 1000.0), (120.0, 200.0)] {
+            let pattern = samples::groove(width, spacing, 2.0);
+            let scene = samples::scene(pattern, &[0.65, 1.3, 2.6], RunOptions::default());
+            let [rough, fine] = [(2e8, true), (2e9, false)].map(|(most, is_rough)| {
+                block_refinement(&scene, &[], most, is_rough).unwrap_or_else(|| panic!("{width} {is_rough}"))
+            });
+            assert_eq!((rough.factor, fine.factor), (0.125, 0.0625));
+            for (rough, fine) in rough.shifts.iter().zip(&fine.shifts) {
+                // Interpolation between few textures leaves 0.0036 of these changes.
+                let off = (rough - fine).abs();
+                assert!(off < 0.0036 && off < 0.5 * fine.abs(), "{width}: {rough} {fine}");
+            }
+        }
+    }
+
+    #[test]
     fn differences_that_change_sign_do_not_cancel() {
         let found = error([0.004, -0.003], 0);
         assert!((found - (0.007 + 1.5 * 0.003 / (2.0_f64.sqrt() - 1.0))).abs() < 1e-12);
@@ -431,7 +461,7 @@ mod tests {
 
     #[test]
     fn ratios_that_are_not_taken_to_smaller_blocks_say_why() {
-        use crate::springblock::{RunOptions, simulate, tests::samples};
+        use crate::springblock::simulate;
         let statements = |pattern: Pattern, refine: bool| {
             let mut scene = samples::scene(pattern, &[2.6], RunOptions { refine, ..RunOptions::default() });
             scene.layer.height_m = 40e-6;

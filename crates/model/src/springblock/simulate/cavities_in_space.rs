@@ -169,8 +169,8 @@ mod tests {
                     let scene =
                         Scene { layer: Layer { height_m: 80e-6, block_m: block_um * 1e-6, ..base.layer }, ..base };
                     let own = SteadyCell::new(&scene).ratios(&pattern);
-                    let found = block_refinement(&scene, &own, 2e10).unwrap();
-                    let alone = block_refinement(&scene, &own, 2e8);
+                    let found = block_refinement(&scene, &own, 2e10, false).unwrap();
+                    let alone = block_refinement(&scene, &own, 2e8, false);
                     (own, found, alone)
                 };
                 let ((own, found, alone), (fine, after, _)) = (solved(20.0), solved(2.5));
@@ -219,7 +219,7 @@ mod tests {
                 let solved = |block_um: f64| {
                     let scene = scene(block_um);
                     let own = SteadyCell::new(&scene).ratios(&pattern);
-                    let found = block_refinement(&scene, &own, 2e9).unwrap();
+                    let found = block_refinement(&scene, &own, 2e9, false).unwrap();
                     (own, found)
                 };
                 let (fine, after) = solved(fine_um);
