@@ -6,11 +6,11 @@ use crate::rooms::{code, root, sources};
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
     ("base", 1_670),
-    ("model", 14_820),
+    ("model", 14_833),
     ("surface", 10_275),
     ("traces", 3_150),
     ("laser", 4_560),
-    ("infer", 5_735),
+    ("infer", 5_737),
     ("design", 6_995),
     ("io", 9_460),
     ("report", 7_175),

@@ -273,7 +273,9 @@ fn friction_reduction(
     let area_m2: f64 = parts.iter().map(|part| part.area_m2).sum();
     let forces = |(widths, parts): (CellWidths, Vec<&LoadShare>)| -> Option<Vec<Option<f64>>> {
         monitor.heed().ok()?;
-        Some(parts_friction(scene, cells.get(&widths).map(|cell| (&cell.pattern, Dimension::Plane)), &parts, monitor))
+        let cell = cells.get(&widths).map(|cell| (&cell.pattern, Dimension::Plane));
+        let friction = CellFriction::new(scene, cell, parts.iter().copied(), monitor);
+        Some((0..scene.loads.len()).map(|place| friction.force(place, parts.iter().copied())).collect())
     };
     let each: Option<Vec<Vec<Option<f64>>>> = by_widths.into_par_iter().map(forces).collect();
     let each = each?;
@@ -283,18 +285,6 @@ fn friction_reduction(
         (flat > 0.0).then(|| 1.0 - friction / flat)
     };
     Some(scene.loads.iter().enumerate().map(at).collect())
-}
-
-/// Friction force of `parts` at each load, the sum of area A times p mu(p), in newtons; `None` if a cell has no
-/// friction. All parts are cells of the pattern `cell`, solved in the given dimension, or solid if `cell` is `None`.
-fn parts_friction(
-    scene: &Scene,
-    cell: Option<(&Pattern, Dimension)>,
-    parts: &[&LoadShare],
-    monitor: &dyn Monitor,
-) -> Vec<Option<f64>> {
-    let friction = CellFriction::new(scene, cell, parts.iter().copied(), monitor);
-    (0..scene.loads.len()).map(|place| friction.force(place, parts.iter().copied())).collect()
 }
 
 /// Friction of cells of one pattern, or of solid parts, as a function of pressure.
