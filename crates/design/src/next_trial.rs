@@ -183,10 +183,12 @@ fn choose(
     };
     let first = best.report(search);
     let is_chosen = |of: &&Prediction| !chosen.iter().any(|own| own.texture.pattern == of.texture.pattern);
+    // With pending samples the first sample need not be the likeliest.
+    let told = if advice == Advice::Trial { chosen.first().unwrap_or(best) } else { best };
     let report = NextReport {
         compared: found.compared,
         advice: advice.name().to_owned(),
-        words: advice.words(best.chance(), asked.has_demands(), found.is_within_reach),
+        words: advice.words(told.chance(), asked.has_demands(), found.is_within_reach),
         samples: chosen.iter().map(|of| of.full_report(search)).collect(),
         one_on_target: asked.has_demands().then(|| tidy(together)),
         others: listed.iter().filter(is_chosen).map(|of| of.report(search).beside(&first)).collect(),

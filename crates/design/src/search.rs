@@ -269,8 +269,12 @@ impl Search<'_> {
     }
 
     /// Chance that another sample of `trial` is on target: its modelled ratios, with the errors of the inputs of the
-    /// texture `like`. `None` if it was not measured at a load.
+    /// texture `like`. `None` if it was not measured at a load. The texture of a sector is solved on the whole specimen.
     pub fn another_of(&self, trial: &Trial, like: &Prediction) -> Option<f64> {
+        if trial.disc.is_some() && self.beyond.face.is_some() {
+            let solved = self.solved(&self.pattern_of(&trial.features)?).ok()?;
+            return Some(self.as_cut(&solved).chance());
+        }
         let at = |value: fn(&Measured) -> f64| self.asked.at_loads(trial, value);
         let moduli = at(|at| at.sensitivity.modulus)?.into_iter();
         let sensitivity = moduli.zip(at(|at| at.sensitivity.local_law)?);
@@ -420,12 +424,16 @@ impl Search<'_> {
         self.is_within_bounds(pattern) && self.interpolated(pattern).is_some_and(|texture| texture.excess == 0.0)
     }
 
+    /// Texture of the task with the lengths of `features`.
+    fn pattern_of(&self, features: &Features) -> Option<Pattern> {
+        self.task.space.pattern([features.width_m, features.pitch_m - features.width_m, features.depth_m]).ok()
+    }
+
     /// Textures of trials that are designs of the task: within bounds and limits, with the features of the task's
     /// texture.
     fn cut(&self) -> Vec<Pattern> {
         let of = |features: &Features| {
-            let lengths_m = [features.width_m, features.pitch_m - features.width_m, features.depth_m];
-            let pattern = self.task.space.pattern(lengths_m).ok()?;
+            let pattern = self.pattern_of(features)?;
             // Measured depths need not be whole bursts.
             let is_makeable = self.task.constraints.limits.violations(&pattern).is_empty()
                 && self.task.laser.check_depth(&pattern).is_ok();

@@ -182,23 +182,24 @@ impl<'a> Models<'a> {
     }
 
     /// Change of each of `ratios`, those of `design`, by smaller blocks, and standard deviation due to the remaining
-    /// block size; `None` for rims in space, in several directions, and if smaller blocks are too expensive. `is_rough` has
+    /// block size; `None` for rims in space, and if smaller blocks are too expensive. `is_rough` has
     /// shallow cavities in the plane at the cost of others, for comparisons of many textures.
     pub fn refined(&self, design: &Pattern, ratios: &[f64], is_rough: bool) -> Option<(Vec<f64>, Vec<f64>)> {
-        if self.own.has_directions() {
-            return None;
-        }
         let share = self.own.lay(design).ok()?.share(design);
         // Ratio of the cell, with the areal densities D of specimen and period: 1 - r = (1 - r_cell) D / D_period
         let own: Vec<Option<f64>> = ratios.iter().map(|ratio| Some(1.0 - (1.0 - ratio) / share)).collect();
-        let cell = self.own.cell(design, false);
-        let is_shallow = design.depth_m() < SHALLOW * cell.layer.block_m;
+        let is_shallow = design.depth_m() < SHALLOW * self.own.asked().layer.block_m;
         let is_dear = is_shallow && !(is_rough && self.own.is_cheap_per_design());
         let most = if is_dear { MAX_REFINED_IF_SHALLOW } else { MAX_REFINED };
-        let refined = block_refinement(&cell, &own, most, is_rough)?;
-        // The error is an upper bound, taken as two standard deviations.
-        let open = refined.errors.iter().map(|error| 0.5 * share * error).collect();
-        Some((refined.shifts.iter().map(|shift| share * shift).collect(), open))
+        let cells = self.own.cells(design);
+        let (mut shifts, mut open) = (Vec::new(), Vec::new());
+        for (cell, own) in cells.iter().zip(own.chunks(own.len() / cells.len())) {
+            let refined = block_refinement(cell, own, most, is_rough)?;
+            shifts.extend(refined.shifts.iter().map(|shift| share * shift));
+            // The error is an upper bound, taken as two standard deviations.
+            open.extend(refined.errors.iter().map(|error| 0.5 * share * error));
+        }
+        Some((shifts, open))
     }
 }
 

@@ -11,6 +11,7 @@ use slipgrid_model::springblock::{Dimension, Extent, Fidelity, Load, RunOptions,
 use crate::DesignError;
 use crate::directional_cells::Solver;
 use crate::evaluation_cache::{Answer, Evaluations};
+use crate::operating_conditions::turned;
 use slipgrid_base::units::{LENGTH_UM, tidy};
 use slipgrid_laser::export::Specimen;
 use slipgrid_laser::specimen::Laid;
@@ -133,11 +134,6 @@ impl<'a> SteadyModel<'a> {
         (&self.asked, self.own_loads, &self.directions_deg, &self.texture, guide, &self.specimen)
     }
 
-    /// Whether designs slide in more than one direction.
-    pub const fn has_directions(&self) -> bool {
-        !self.directions_deg.is_empty()
-    }
-
     /// Dimension in which designs are solved.
     pub const fn dimension(&self) -> Dimension {
         self.solver.dimension
@@ -158,6 +154,17 @@ impl<'a> SteadyModel<'a> {
     pub(crate) fn cell(&self, design: &Pattern, coarse: bool) -> Scene {
         let guide = self.guide.as_ref().filter(|_| coarse).map(|(scene, _)| scene);
         Scene { pattern: Some(*design), ..guide.unwrap_or(&self.asked).clone() }
+    }
+
+    /// Cells of a design in every sliding direction, each with the loads of its direction.
+    pub(crate) fn cells(&self, design: &Pattern) -> Vec<Scene> {
+        let directions = &self.solver.each;
+        let loads = self.asked.loads.chunks(self.asked.loads.len() / directions.len());
+        let cell = |((angle_deg, _), loads): (&(Option<f64>, _), &[Load])| {
+            let pattern = Some(turned(design, *angle_deg));
+            Scene { pattern, loads: loads.to_vec(), ..self.asked.clone() }
+        };
+        directions.iter().zip(loads).map(cell).collect()
     }
 
     /// Number of draws of the local coefficients at which a cell of `design` has at least `contacts` contact blocks in

@@ -124,7 +124,7 @@ pub struct PredictedReport {
     pub interval_68: [f64; 2],
     /// Ends of the 95 % interval.
     pub interval_95: [f64; 2],
-    /// Deviation of the measured ratio from the prediction, in standard deviations of the prediction.
+    /// Number of standard deviations by which a normal value as improbable as the measured ratio lies off its prediction.
     pub surprise: f64,
     /// Number of measured ratios from which the prediction is made; if 0, the prediction is the prior.
     #[serde(default)]

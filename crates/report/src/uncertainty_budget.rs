@@ -36,6 +36,7 @@ pub struct UncertaintyBudget {
     pressure_mpa: f64,
     speed_mm_s: f64,
     humidity_pct: Option<f64>,
+    sliding_angle_deg: Option<f64>,
     value: f64,
     inputs: Vec<Input>,
     combined: f64,
@@ -85,6 +86,7 @@ impl UncertaintyBudget {
                     pressure_mpa: at.pressure_mpa,
                     speed_mm_s: report.speed_mm_s,
                     humidity_pct: None,
+                    sliding_angle_deg: None,
                     value: errors.value?,
                     inputs: errors.parts.iter().map(|part| input((&part.input, part.std))).collect(),
                     combined: errors.std?,
@@ -114,6 +116,7 @@ impl UncertaintyBudget {
                 pressure_mpa: at.pressure_mpa,
                 speed_mm_s: at.speed_mm_s,
                 humidity_pct: Some(at.humidity_pct),
+                sliding_angle_deg: at.sliding_angle_deg,
                 value: at.median,
                 inputs: inputs.filter(|inputs| !inputs.is_empty())?,
                 combined: tidy((at.high_95 - at.low_95) / (2.0 * NORMAL_95)),
@@ -156,8 +159,9 @@ impl UncertaintyBudget {
     /// States value, combined uncertainty, coverage factor and expanded uncertainty in one sentence.
     pub(crate) fn result_in_words(&self) -> String {
         let humidity = self.humidity_pct.map_or_else(String::new, |humidity| format!(", {humidity} %"));
+        let angle = self.sliding_angle_deg.map_or_else(String::new, |angle_deg| format!(", sliding at {angle_deg}°"));
         format!(
-            "{} at {} MPa, {} mm/s{humidity}: {}; combined standard uncertainty {}, coverage factor {}, expanded uncertainty {} (95 %)",
+            "{} at {} MPa, {} mm/s{humidity}{angle}: {}; combined standard uncertainty {}, coverage factor {}, expanded uncertainty {} (95 %)",
             self.quantity,
             self.pressure_mpa,
             self.speed_mm_s,
@@ -193,6 +197,7 @@ impl UncertaintyBudget {
         table.numbers("pressure_mpa", |(of, _)| of.pressure_mpa);
         table.numbers("speed_mm_s", |(of, _)| of.speed_mm_s);
         table.numbers("humidity_pct", |(of, _)| of.humidity_pct);
+        table.numbers("sliding_angle_deg", |(of, _)| of.sliding_angle_deg);
         table.numbers("value", |(of, _)| six(of.value));
         table.column("input", |(_, input)| input.name.clone());
         table.column("type", |(_, input)| input.kind().to_owned());

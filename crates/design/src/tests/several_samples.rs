@@ -128,3 +128,43 @@ fn what_the_laser_cannot_cut_is_said_with_the_number_of_the_sample() {
     let narrow = said(15.0, 4.0 * step_um);
     assert!(narrow[0].contains("laser spot") && narrow.iter().all(|said| said.starts_with("sample 2: ")), "{narrow:?}");
 }
+
+/// Of the texture of a sector, which has no ends, another sample is cut on a whole specimen.
+#[test]
+fn another_sample_of_a_sector_has_the_chance_of_its_texture_on_the_specimen() {
+    let grooves = task(Planform::Groove);
+    let mut sector = trial(&grooves, [100e-6, 300e-6, 10e-6], [0.87, 0.87]);
+    sector.measured.iter_mut().for_each(|at| at.modelled *= 0.95);
+    for disc in [None, Some("disc 1".to_owned())] {
+        let known = Trial { disc: disc.clone(), ..sector.clone() };
+        let task = taught(&DesignTask { target: near(0.87, 0.03), ..grooves.clone() }, vec![known.clone()]);
+        searched(&task, |search| {
+            let best = search.best(&|_| true, 1).solved.remove(0);
+            let pattern = search.task.space.pattern([100e-6, 300e-6, 10e-6]).unwrap();
+            let whole = search.as_cut(&search.solved(&pattern).unwrap()).chance();
+            let another = search.another_of(&known, &best).unwrap();
+            assert_eq!((another - whole).abs() < 1e-12, disc.is_some(), "{another} {whole}");
+        });
+    }
+}
+
+#[test]
+fn smaller_blocks_change_ratios_in_every_direction() {
+    let mut task = task(Planform::Square);
+    task.layer.height_m = 40e-6;
+    let refined = |task: &DesignTask| {
+        searched(task, |search| {
+            let pattern = task.space.pattern([120e-6, 200e-6, 10e-6]).unwrap();
+            let ratios = search.models.own.steady(&pattern).unwrap().ratio;
+            search.models.refined(&pattern, &ratios, false).unwrap().0
+        })
+    };
+    let one = refined(&task);
+    task.directions.different_deg = vec![90.0];
+    // Squares slide alike along both of their sides.
+    let two = refined(&task);
+    assert!(one.iter().all(|shift| shift.abs() > 1e-4), "{one:?}");
+    for (own, other) in one.iter().chain(&one).zip(&two) {
+        assert!((own - other).abs() < 1e-5, "{one:?} {two:?}");
+    }
+}

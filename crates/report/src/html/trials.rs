@@ -38,7 +38,7 @@ const TERMS: [(&str, &str); 7] = [
     ),
     (
         "surprise",
-        "Distance of the measured ratio from the one predicted before, in standard deviations of the prediction.",
+        "Number of standard deviations by which a normal value as improbable as the measured ratio lies off its prediction.",
     ),
     ("discrepancy", "Logarithm of the measured over the modelled ratio: what the model lacks."),
     ("form", "How the discrepancy grows with the texture: with its areal density, the length of its edges, its depth."),
@@ -215,7 +215,7 @@ fn details(page: &mut Page, report: &TrialsReport) {
         numbers.zip(ledger.body()).for_each(|(number, row)| numbered.row(once(number).chain(row.iter().cloned())));
         page.table(
             "Ratios patterned over flat, dimensionless. Before: predicted by the trials before, those of the first trial by what is believed \
-             before any, with the interval of 95 %, the measurement's own errors included. Surprise: distance of the measured ratio from that prediction, in its standard deviations.",
+             before any, with the interval of 95 %, the measurement's own errors included. Surprise: number of standard deviations by which a normal value as improbable as the measured ratio lies off that prediction.",
             &numbered,
         );
         page.paragraph(MODELLED);

@@ -131,7 +131,7 @@ impl TrialsReport {
         } else {
             text += "\nratios patterned / flat: measured, modelled, and predicted by the trials before\n";
             text += &self.ledger(false).to_string();
-            text += "surprise, std: distance of the measured ratio from the one predicted before, in standard deviations of that prediction\n";
+            text += "surprise, std: number of standard deviations by which a normal value as improbable as the measured ratio lies off its prediction\n";
             for of in &self.coverage {
                 text += &of.text();
             }
