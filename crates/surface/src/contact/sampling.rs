@@ -1,6 +1,6 @@
 //! Maps derived from a map: windows and coarser pixels.
 
-use crate::topography::{HeightMap, periodic_component};
+use crate::topography::{Form, HeightMap, periodic_component};
 
 use crate::contact::error::require_within;
 use crate::contact::{ContactError, Monitor};
@@ -17,7 +17,7 @@ pub fn windows(map: &HeightMap, per_side: usize, monitor: &dyn Monitor) -> Resul
     map.in_windows(per_side)
         .map(|window| {
             let mut window = window?;
-            window.subtract_plane(monitor)?;
+            window.remove_form(Form::Plane, monitor)?;
             Ok(periodic_component(&window, monitor)?)
         })
         .collect()

@@ -83,12 +83,6 @@ pub enum MapError {
     /// The monitor has cancelled the operation.
     #[error("the work on the map was cancelled")]
     Cancelled,
-    /// The points present lie on one line.
-    #[error("the {points} heights present lie on one line: expected points that span a plane")]
-    PlaneUndetermined {
-        /// Points present.
-        points: usize,
-    },
 }
 
 impl From<Cancelled> for MapError {

@@ -113,7 +113,7 @@ impl HeightMap {
         let spikes = without.despike(monitor)?;
         let slope_and_highest_m = |mut map: Self| {
             // Points that do not determine a plane are not levelled.
-            let _ = map.subtract_plane(monitor);
+            let _ = map.remove_form(Form::Plane, monitor);
             monitor.heed()?;
             let highest_m = map.heights_m().iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let above_m = highest_m - upper_median(&mut map.sampled_heights_m()).unwrap_or(f64::NAN);

@@ -187,20 +187,13 @@ impl PreparedMap {
         let curved = if is_kept { map.form_warning(monitor).map_err(MapError::from)? } else { None };
         // Subtracting a plane through one period would leave a step where the period closes.
         let form = if period { Form::Mean } else { how.form };
-        match form {
-            Form::Plane => {
-                map.subtract_plane(monitor)?;
-                notes.push("the least-squares plane has been subtracted".to_owned());
-            }
-            Form::SecondOrder => {
-                map.remove_form(Form::SecondOrder, monitor)?;
-                notes.push("the least-squares surface of second order has been subtracted".to_owned());
-            }
-            Form::Mean => {
-                map.subtract_mean();
-                notes.push("no plane has been subtracted".to_owned());
-            }
-        }
+        map.remove_form(form, monitor)?;
+        let subtracted = match form {
+            Form::Plane => "the least-squares plane has been subtracted",
+            Form::SecondOrder => "the least-squares surface of second order has been subtracted",
+            Form::Mean => "no plane has been subtracted",
+        };
+        notes.push(subtracted.to_owned());
         heed()?;
         // Steps across the sides caused by a tilt or a bow are removed with the form.
         let step_ratio = side_step_ratio(&map, monitor)?;
