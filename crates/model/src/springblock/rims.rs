@@ -10,6 +10,8 @@
 //!
 //! in the order of the fractional parts of multiples of the golden section, which separates similar values.
 
+use slipgrid_base::statistics::normal_quantile;
+
 use crate::pattern::{Pattern, Rim};
 
 /// Ratio of the plane-strain modulus E / (1 - nu^2) at nu = 1/4, the value of cells in space, to E.
@@ -140,18 +142,6 @@ fn scattered(count: usize) -> impl Iterator<Item = f64> {
     values.into_iter().map(move |z| z / scale)
 }
 
-/// Quantile of the standard normal distribution at the probability `p`, between 0 and 1, by bisection.
-fn normal_quantile(p: f64) -> f64 {
-    const STEPS: usize = 60;
-    let (mut low, mut high) = (-9.0, 9.0);
-    for _ in 0..STEPS {
-        let middle = f64::midpoint(low, high);
-        // P(z) = (1 + erf(z / sqrt 2)) / 2
-        if 0.5 * libm::erfc(-middle * std::f64::consts::FRAC_1_SQRT_2) < p { low = middle } else { high = middle }
-    }
-    f64::midpoint(low, high)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -207,7 +197,6 @@ mod tests {
             let (sum, square) = z.iter().fold((0.0, 0.0), |(s, q), z| (s + z, q + z * z));
             assert!(sum.abs() < 1e-9 && (square / count as f64 - 1.0).abs() < 1e-12, "{count}");
         }
-        assert!((normal_quantile(0.975) - 1.959_963_984_540_054).abs() < 1e-9);
         let columns = cell(&pattern(130.0, 370.0, 10.0, 0.1), 10e-6);
         assert_eq!(columns.len(), 200);
         let mut heights: Vec<f64> = columns.iter().map(|c| c.relief).filter(|r| *r > 0.0).collect();

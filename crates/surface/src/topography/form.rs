@@ -2,8 +2,9 @@
 
 use serde::Deserialize;
 use slipgrid_base::monitor::Monitor;
+use slipgrid_base::statistics::cholesky::{covariance_factor, is_regular, solve};
 
-use crate::topography::{HeightMap, MapError, cholesky};
+use crate::topography::{HeightMap, MapError};
 
 /// Shape fitted by least squares to the points present, and subtracted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
@@ -33,9 +34,6 @@ impl Form {
 
 /// Number of terms of the largest form.
 const TERMS: usize = 6;
-/// A pivot of the normal equations below this fraction of its diagonal element means that the points do not determine
-/// the form.
-const SMALLEST_PIVOT: f64 = 1e-10;
 
 /// A fitted form, in coordinates that run from -1 to 1 over the map along x and y.
 pub(crate) struct FittedForm {
@@ -90,7 +88,7 @@ impl HeightMap {
         let count = form.count();
         // Normal equations A c = b with A = sum of terms terms^T and b = sum of terms h; h relative to the first wanted
         // height.
-        let (mut a, mut b, mut points) = ([[0.0; TERMS]; TERMS], [0.0; TERMS], 0_usize);
+        let (mut a, mut b, mut points) = (vec![0.0; count * count], vec![0.0; count], 0_usize);
         let is_wanted = |n: usize| !self.heights_m()[n].is_nan() && wanted(n);
         let origin = (0..self.heights_m().len()).find(|n| is_wanted(*n)).map_or(0.0, |n| self.heights_m()[n]);
         for (row, heights) in self.heights_m().chunks_exact(self.cols()).enumerate() {
@@ -100,26 +98,20 @@ impl HeightMap {
                 let terms = terms(place(row, self.rows()), place(col, self.cols()));
                 for i in 0..count {
                     for j in 0..=i {
-                        a[i][j] += terms[i] * terms[j];
+                        a[i * count + j] += terms[i] * terms[j];
                     }
                     b[i] += terms[i] * (height - origin);
                 }
                 points += 1;
             }
         }
-        let undetermined = MapError::FormUndetermined { form: form.name(), points };
-        if points < count {
-            return Err(undetermined);
+        let factor = covariance_factor(&a, count);
+        if points < count || !is_regular(&factor, count) {
+            return Err(MapError::FormUndetermined { form: form.name(), points });
         }
-        let least = SMALLEST_PIVOT * points as f64;
-        let factor = cholesky::factor(count, |i, j| a[i][j], least).ok_or(undetermined)?;
-        let mut coefficients = cholesky::solve_lower(&factor, &b[..count]);
-        for i in (0..count).rev() {
-            let known = (i + 1..count).fold(coefficients[i], |sum, k| sum - factor[k][i] * coefficients[k]);
-            coefficients[i] = known / factor[i][i];
-        }
-        coefficients[0] += origin;
-        Ok(FittedForm { coefficients })
+        solve(&factor, count, &mut b);
+        b[0] += origin;
+        Ok(FittedForm { coefficients: b })
     }
 
     /// Subtracts `form`.

@@ -39,7 +39,6 @@
 pub mod fourier;
 
 mod cavities;
-mod cholesky;
 mod despike;
 mod error;
 mod file_faults;

@@ -1,8 +1,6 @@
 //! Least squares for profiles with rough noise: the difference of two heights of a profile grows with their distance.
 
-use slipgrid_base::statistics::cholesky::dot;
-
-use crate::topography::cholesky;
+use slipgrid_base::statistics::cholesky::{cholesky, dot, is_regular, solve_lower, solve_upper};
 
 /// Minimum nugget relative to the maximum semivariance, which keeps the equations well conditioned.
 const MIN_NUGGET: f64 = 1e-3;
@@ -65,7 +63,7 @@ impl Variogram {
 /// cavities of a pattern whose pitch matches the waves; therefore the slope is fitted with the level.
 pub(super) struct Kriging {
     /// Lower Cholesky factor of the covariance, row by row.
-    factor: Vec<Vec<f64>>,
+    factor: Vec<f64>,
     /// Constant 1, whitened.
     ones: Vec<f64>,
     /// Constant and slope, whitened and orthonormalized.
@@ -88,18 +86,18 @@ impl Shape {
 }
 
 impl Kriging {
-    /// Factors the covariance of profiles with heights in `bins`; `extra` is added to the nugget. `None` if the
+    /// Factors the covariance of profiles with heights in `bins`, increasing; `extra` is added to the nugget. `None` if the
     /// equations are degenerate.
     pub(super) fn new(variogram: Variogram, bins: &[usize], extra: f64) -> Option<Self> {
         let span = bins.last()? - bins.first()?;
         let greatest = variogram.at(span.max(1)) + extra;
         let nugget = (variogram.nugget + extra).max(MIN_NUGGET * greatest) - variogram.nugget;
         let sill = LEVEL * (greatest + nugget);
-        let covariance = |one: usize, other: usize| match bins[one].abs_diff(bins[other]) {
-            0 => sill,
-            lag => sill - variogram.at(lag) - nugget,
-        };
-        let factor = cholesky::factor(bins.len(), covariance, 0.0)?;
+        let covariance = |lag: usize| if lag == 0 { sill } else { sill - variogram.at(lag) - nugget };
+        let by_lag: Vec<f64> = (0..=span).map(covariance).collect();
+        let covariances: Vec<f64> =
+            bins.iter().flat_map(|one| bins.iter().map(|other| by_lag[one.abs_diff(*other)])).collect();
+        let factor = cholesky(&covariances, bins.len()).filter(|factor| is_regular(factor, bins.len()))?;
         let mut kriging = Self { factor, ones: Vec::new(), drift: Vec::new(), rise: 0.0 };
         kriging.ones = kriging.whiten(&vec![1.0; bins.len()]);
         for power in [0, 1] {
@@ -115,7 +113,9 @@ impl Kriging {
 
     /// Whitens a profile z: returns L^-1 z, with the Cholesky factor L of the covariance.
     pub(super) fn whiten(&self, profile: &[f64]) -> Vec<f64> {
-        cholesky::solve_lower(&self.factor, profile)
+        let mut whitened = profile.to_vec();
+        solve_lower(&self.factor, profile.len(), &mut whitened);
+        whitened
     }
 
     /// Removes constant and slope from a whitened profile.
@@ -163,13 +163,7 @@ impl Kriging {
     pub(super) fn weights(&self, shape: &Shape) -> Vec<f64> {
         // L^T a = f/(f f)
         let mut weights: Vec<f64> = shape.whitened.iter().map(|value| value / shape.square).collect();
-        for i in (0..weights.len()).rev() {
-            weights[i] /= self.factor[i][i];
-            let solved = weights[i];
-            for (weight, factor) in weights[..i].iter_mut().zip(&self.factor[i]) {
-                *weight -= factor * solved;
-            }
-        }
+        solve_upper(&self.factor, weights.len(), &mut weights);
         weights
     }
 
