@@ -140,16 +140,6 @@ pub enum FitError {
         /// The number given.
         value: f64,
     },
-    /// A number of the problem is invalid.
-    #[error("{quantity} is {value}: expected {expected}")]
-    OutOfRange {
-        /// Name of the number.
-        quantity: &'static str,
-        /// The number given.
-        value: f64,
-        /// Description of the accepted values.
-        expected: &'static str,
-    },
     /// The spring-block model refused the layer or the material.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -304,15 +294,14 @@ impl Problem {
         self.measurements.iter().any(|measured| measured.static_peak.is_some())
     }
 
-    /// Checks all numbers.
+    /// Checks the numbers of the measurements, and that they determine what is to be fitted. The model refuses other
+    /// numbers that are invalid.
     ///
     /// # Errors
-    /// [`FitError`] for the first number that is invalid.
+    /// [`FitError`] if there are no measurements, one is invalid, or they do not determine the scale of the area law.
     pub fn validate(&self) -> Result<(), FitError> {
-        if self.measurements.is_empty() {
-            return Err(FitError::NoMeasurement);
-        }
-        for (number, measured) in self.measurements.iter().enumerate() {
+        let Some(first) = self.measurements.first() else { return Err(FitError::NoMeasurement) };
+        for (measured, number) in self.measurements.iter().zip(1..) {
             let peak = measured.static_peak.unwrap_or(StaticPeak { mu: 1.0, std: 1.0 });
             for (quantity, value) in [
                 ("force_n", measured.force_n),
@@ -323,45 +312,24 @@ impl Problem {
                 ("mu_static_std", peak.std),
             ] {
                 if !(value.is_finite() && value > 0.0) {
-                    return Err(FitError::Measurement { number: number + 1, quantity, value });
+                    return Err(FitError::Measurement { number, quantity, value });
                 }
             }
         }
-        if let Some(unknown) = &self.area_law_scale {
-            let [from, to] = unknown.bounds_pa;
-            if !(from > 0.0 && to > from && to.is_finite()) {
-                return Err(FitError::OutOfRange {
-                    quantity: "bound of the area law's scale",
-                    value: from,
-                    expected: "two increasing positive pressures",
-                });
-            }
-            unknown.law(from)?;
-            unknown.law(to)?;
-            if self.coefficients == Coefficients::PerCondition {
-                return Err(FitError::AreaLawNotIdentifiable {
-                    reason: "a pair of coefficients for each load absorbs any area law: expected coefficients = \"single\", or a map",
-                });
-            }
-            let first = self.measurements[0].force_n;
-            if self.measurements.iter().all(|measured| (measured.force_n / first - 1.0).abs() < 1e-6) {
-                return Err(FitError::AreaLawNotIdentifiable {
-                    reason: "all measurements are at one load: expected two loads or more, or a map",
-                });
-            }
+        let Some(unknown) = &self.area_law_scale else { return Ok(()) };
+        for bound_pa in unknown.bounds_pa {
+            unknown.law(bound_pa)?;
         }
-        let (area_m2, ratio, std) = (self.specimen_area_m2, self.static_over_dynamic, self.relative_std);
-        let is_positive = |value: f64| value.is_finite() && value > 0.0;
-        for (quantity, value, is_valid, expected) in [
-            ("specimen_area_m2", area_m2, is_positive(area_m2), "a positive number"),
-            ("static_over_dynamic", ratio, is_positive(ratio), "a positive number"),
-            ("relative_std", std, std.is_finite() && std >= 0.0, "a number not below zero"),
-        ] {
-            if !is_valid {
-                return Err(FitError::OutOfRange { quantity, value, expected });
-            }
-        }
-        Ok(())
+        let reason = if unknown.bounds_pa[0] >= unknown.bounds_pa[1] {
+            "its bounds are no range: expected two increasing pressures"
+        } else if self.coefficients == Coefficients::PerCondition {
+            "a pair of coefficients for each load absorbs any area law: expected coefficients = \"single\", or a map"
+        } else if self.measurements.iter().all(|measured| (measured.force_n / first.force_n - 1.0).abs() < 1e-6) {
+            "all measurements are at one load: expected two loads or more, or a map"
+        } else {
+            return Ok(());
+        };
+        Err(FitError::AreaLawNotIdentifiable { reason })
     }
 
     /// Area law for `scale_pa` if the scale is fitted, otherwise the given law; `None` if friction is proportional to

@@ -112,6 +112,11 @@ fn a_law_that_the_loads_do_not_show_is_left_open_and_said() {
     // One pair per load, or a single load, cannot determine a law.
     let each = Problem { coefficients: Coefficients::PerCondition, ..problem.clone() };
     assert!(matches!(fit_coefficients(&each, &Unwatched), Err(FitError::AreaLawNotIdentifiable { .. })));
+    let mut reversed = problem.clone();
+    reversed.area_law_scale.as_mut().unwrap().bounds_pa.reverse();
+    assert!(matches!(fit_coefficients(&reversed, &Unwatched), Err(FitError::AreaLawNotIdentifiable { .. })));
     problem.measurements.truncate(1);
     assert!(matches!(fit_coefficients(&problem, &Unwatched), Err(FitError::AreaLawNotIdentifiable { .. })));
+    problem.measurements.clear();
+    assert_eq!(fit_coefficients(&problem, &Unwatched).unwrap_err(), FitError::NoMeasurement);
 }
