@@ -6,11 +6,11 @@ use crate::rooms::{code, root, sources};
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
     ("base", 1_670),
-    ("model", 14_833),
-    ("surface", 10_275),
+    ("model", 14_795),
+    ("surface", 10_175),
     ("traces", 3_140),
     ("laser", 4_560),
-    ("infer", 5_737),
+    ("infer", 5_710),
     ("design", 7_010),
     ("io", 9_460),
     ("report", 7_175),
