@@ -273,8 +273,9 @@ impl Explorer {
             [0.5, 0.025, 0.975].into_iter().flat_map(|p| (0..loads).map(move |load| at(load, p))).collect()
         };
         let bands: Vec<[Option<f64>; 2]> = task.target.points().iter().map(|point| point.wanted.band()).collect();
-        let above =
-            |found: &Prediction, core: f64| soft_odds(found.chance()) - rough_odds(&bands, &quantiles_of(found), core);
+        let above = |found: &Prediction, quantiles: &[f64], core: f64| {
+            soft_odds(found.chance()) - rough_odds(&bands, quantiles, core)
+        };
         // Smooth, unlike the time: depths are whole exposures, and widths take whole lines. A cavity narrower than the spot
         // has no line, and the number of one that fits.
         let spot_um = task.laser.spot_um.unwrap_or(0.0);
@@ -309,10 +310,13 @@ impl Explorer {
             let (lengths_um, laid) = (&nodes[place], laid_nodes[place].as_ref());
             let at = |node: usize| shares[0] + (shares[1] - shares[0]) * node as f64 / (odds_nodes - 1) as f64;
             let found = (0..odds_nodes).map(|node| predicted(lengths_um, at(node))).collect::<Option<Vec<_>>>()?;
-            let quantiles = found.iter().step_by((odds_nodes - 1) / (quantile_nodes - 1)).flat_map(quantiles_of);
-            let core = core(&found[odds_nodes / 2], bands.len());
-            let odds: Vec<f64> = found.iter().map(|found| above(found, core)).chain([core]).collect();
-            Some([quantiles.collect(), odds, beside_of(laid?, log_times[place / depths], None)?.to_vec()].concat())
+            let quantiles: Vec<Vec<f64>> = found.iter().map(quantiles_of).collect();
+            let core = core(&found[odds_nodes / 2], &quantiles[odds_nodes / 2], bands.len());
+            let odds = found.iter().zip(&quantiles).map(|(found, quantiles)| above(found, quantiles, core));
+            let odds: Vec<f64> = odds.chain([core]).collect();
+            let quantiles: Vec<Vec<f64>> =
+                quantiles.into_iter().step_by((odds_nodes - 1) / (quantile_nodes - 1)).collect();
+            Some([quantiles.concat(), odds, beside_of(laid?, log_times[place / depths], None)?.to_vec()].concat())
         };
         let answers: Vec<Option<Vec<f64>>> = (0..nodes.len()).into_par_iter().map(node).collect();
         if search.stage.cancelled() {
@@ -328,8 +332,8 @@ impl Explorer {
                 .concat()
         };
         let mut reported = quantiles_of(about);
-        let own_core = core(about, bands.len());
-        reported.extend([above(about, own_core), own_core]);
+        let own_core = core(about, &reported, bands.len());
+        reported.extend([above(about, &reported, own_core), own_core]);
         reported.extend(beside_of(&own, log_time(&own.1), run).into_iter().flatten());
         // The same for all cavity fractions.
         let missing = |numbers: &[f64]| {
@@ -390,10 +394,13 @@ const SCORES: [f64; 2] = [0.6745, 1.96];
 const NORMAL_CORE: f64 = SCORES[0] / SCORES[1];
 
 /// Distance of the quartiles of samples over the width of their 95 % interval, in the logarithm, mean of the first
-/// `count` loads: below [`NORMAL_CORE`], as few samples are far off.
-fn core(found: &Prediction, count: usize) -> f64 {
-    let width = |load: usize, [low, high]: [f64; 2]| (found.quantile(load, high) / found.quantile(load, low)).ln();
-    let share = |load: usize| width(load, [0.25, 0.75]) / width(load, [0.025, 0.975]).max(1e-3);
+/// `count` loads: below [`NORMAL_CORE`], as few samples are far off. `quantiles` as for [`rough_odds`].
+fn core(found: &Prediction, quantiles: &[f64], count: usize) -> f64 {
+    let loads = quantiles.len() / 3;
+    let share = |load: usize| {
+        let whole = (quantiles[2 * loads + load] / quantiles[loads + load]).ln().max(1e-3);
+        (found.quantile(load, 0.75) / found.quantile(load, 0.25)).ln() / whole
+    };
     (0..count).map(share).sum::<f64>() / count as f64
 }
 
