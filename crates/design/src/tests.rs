@@ -414,7 +414,9 @@ fn ratios_that_are_predicted_are_those_of_the_specimen() {
         .zip(specimen.iter().zip(&ratios(Extent::Cell, None)))
         .map(|(at, (specimen, cell))| [at.ratio - ratio(specimen), ratio(cell) - ratio(specimen)])
         .collect();
-    assert!(off.iter().all(|[own, _]| own.abs() < 2e-3) && off.iter().any(|[_, cell]| cell.abs() > 3e-3), "{off:?}");
+    // Load sharing and time nearly cancel at the lighter load; at the heavier the cell alone is clearly off.
+    let is_better = |[own, cell]: &[f64; 2]| cell.abs() > 1.5e-3 && own.abs() < 0.5 * cell.abs();
+    assert!(off.iter().all(|[own, _]| own.abs() < 2e-3) && off.iter().any(is_better), "{off:?}");
 }
 
 #[test]
