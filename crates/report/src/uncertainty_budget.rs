@@ -253,7 +253,7 @@ mod tests {
         }
         let csv = UncertaintyBudget::csv(&found);
         assert!(
-            csv.contains("\ndynamic friction,2.6,2,,0.4,time average,A,0.03,,1,0.03,0.36,0.05,1.95996,0.0979982,"),
+            csv.contains("\ndynamic friction,2.6,2,,,0.4,time average,A,0.03,,1,0.03,0.36,0.05,1.95996,0.0979982,"),
             "{csv}"
         );
     }

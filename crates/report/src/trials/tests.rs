@@ -97,7 +97,7 @@ fn one_texture_predicts_nothing_and_tells_no_form() {
     // Two trials that differ by less than a form could tell are no one texture.
     let alike = ledger(vec![trial("A", 130.0, -0.05), trial("B", 135.0, -0.05)]);
     assert!(alike.one_texture && alike.text().contains("textures so alike do not tell whether"), "{}", alike.text());
-    assert!(text.contains("surprise, std: distance of the measured ratio"), "{text}");
+    assert!(text.contains("surprise, std: number of standard deviations by which"), "{text}");
     assert!(text.contains("predicted by the trials before it: 2 ratios are not counted, because no other measurement says anything of what the model lacks there\n"), "{text}");
     // The measured condition nearest to 1.5 MPa in logarithms.
     assert!(text.contains("the last trial, 2.00 MPa, 2 mm/s, 40 %"), "{text}");
