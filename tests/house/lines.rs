@@ -11,7 +11,7 @@ const LIMITS: [(&str, usize); 15] = [
     ("traces", 3_140),
     ("laser", 4_560),
     ("infer", 5_710),
-    ("design", 7_025),
+    ("design", 7_030),
     ("io", 9_460),
     ("report", 7_180),
     ("validate", 2_740),
