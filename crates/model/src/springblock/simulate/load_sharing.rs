@@ -45,8 +45,9 @@ const PRESSURE_STEP: f64 = 0.7;
 /// Number of pressures in each such step at which friction follows from the local pressures of the cells at its ends;
 /// between them it is interpolated linearly.
 const FINE: usize = 12;
-/// Least pressure, in units of the nominal pressure, at which cells are solved; parts under less have the same coefficient.
-const LEAST_PRESSURE: f64 = 0.1;
+/// Minimum pressure, in units of the nominal pressure, at which cells are solved; parts under less have the same
+/// coefficient.
+const MIN_PRESSURE: f64 = 0.1;
 /// Cells in space are solved until the residual force over the load is this small.
 const BALANCE: f64 = 1e-6;
 /// Excess compliance C of solid pieces, as a fraction of the height of the body; exactly it would be zero.
@@ -322,10 +323,11 @@ impl<'a> CellFriction<'a> {
         let solid = Self { scene, lowest: 0.0, step: 1.0, coefficients: [0.0; 2], factors: Vec::new() };
         let asked = cell.zip(bounds).filter(|_| nominal_pa[1] > 0.0);
         let Some(((pattern, dimension), (low, high))) = asked else { return solid };
-        let shares = ends(&mut parts.map(|part| part.pressure.max(LEAST_PRESSURE)));
+        let shares = ends(&mut parts.map(|part| part.pressure.max(MIN_PRESSURE)));
         let [lowest, highest] = [0, 1].map(|end| (shares[end] * nominal_pa[end]).ln());
         let steps = ((highest - lowest) / PRESSURE_STEP).ceil().max(1.0) as usize;
-        let step = (highest - lowest) / (steps * FINE) as f64;
+        // Not zero where all parts are under one pressure.
+        let step = ((highest - lowest) / (steps * FINE) as f64).max(f64::EPSILON);
         let pressure_pa = |number: usize| (lowest + step * number as f64).exp();
         let at = |number: usize| [low, high].map(|load| Load { pressure_pa: pressure_pa(number * FINE), ..*load });
         let loads = (0..=steps).flat_map(at).collect();

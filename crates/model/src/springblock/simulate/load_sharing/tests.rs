@@ -151,3 +151,15 @@ fn parts_rub_like_cells_under_their_pressures() {
     let rms = (squares / f64::from(count)).sqrt();
     assert!(rms < 5e-4, "{rms}");
 }
+
+#[test]
+fn parts_under_one_pressure_rub_like_the_cell() {
+    let pattern = samples::groove(130.0, 370.0, 5.0);
+    let scene = samples::scene(pattern, &[1.3], RunOptions::default());
+    let scene = Scene { area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.4]).unwrap()), ..scene };
+    let parts = [1.0, 1.0].map(|pressure| LoadShare::solid(1e-6, pressure));
+    let found = CellFriction::new(&scene, Some((&pattern, Dimension::Plane)), parts.iter(), &Unwatched);
+    let mu = SteadyCell::with_dimension(&scene, Dimension::Plane).solve(&pattern)[0].surface.mu_dynamic.unwrap();
+    let off = found.force(0, parts.iter()).unwrap() / (2e-6 * scene.loads[0].pressure_pa * mu) - 1.0;
+    assert!(off.abs() < 1e-6, "{off}");
+}
