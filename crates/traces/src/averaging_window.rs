@@ -46,15 +46,16 @@ impl WindowMean {
             return self;
         }
         let batches = periods.min(MAX_BATCHES);
-        let edge = |i: usize| crests_s[i * periods / batches];
-        let means: Vec<f64> = (0..batches).map(|i| mean_between(time_s, mu, edge(i), edge(i + 1))).collect();
-        let LineErrors { mean, change } = line_errors(&means);
-        let longer = (window_s[1] - window_s[0]) / (edge(batches) - edge(0));
+        let edges_s: Vec<f64> = (0..=batches).map(|i| crests_s[i * periods / batches]).collect();
+        let ends_s = [edges_s[0], edges_s[batches]];
+        let whole = of_batches(time_s, mu, &edges_s);
+        let longer = (window_s[1] - window_s[0]) / (ends_s[1] - ends_s[0]);
         Self {
-            mu: mean_between(time_s, mu, edge(0), edge(batches)),
-            stderr: mean,
-            drift: longer * line_through(&means).change,
-            drift_stderr: longer * change,
+            // Batches of equal numbers of periods differ in length.
+            mu: mean_between(time_s, mu, ends_s[0], ends_s[1]),
+            drift: longer * whole.drift,
+            drift_stderr: longer * whole.drift_stderr,
+            ..whole
         }
     }
 }
@@ -66,8 +67,13 @@ pub fn window_mean(time_s: &[f64], mu: &[f64], window_s: [f64; 2]) -> WindowMean
     let length = to - from;
     let inside = time_s.partition_point(|&t| t <= to) - time_s.partition_point(|&t| t < from);
     let batches = (inside / MIN_SAMPLES_PER_BATCH).clamp(MIN_BATCHES, MAX_BATCHES);
-    let edge = |i: usize| from + length * i as f64 / batches as f64;
-    let means: Vec<f64> = (0..batches).map(|i| mean_between(time_s, mu, edge(i), edge(i + 1))).collect();
+    let edges_s: Vec<f64> = (0..=batches).map(|i| from + length * i as f64 / batches as f64).collect();
+    of_batches(time_s, mu, &edges_s)
+}
+
+/// Mean of the means over the batches between `edges_s`, with the drift of their line from the first to the last edge.
+fn of_batches(time_s: &[f64], mu: &[f64], edges_s: &[f64]) -> WindowMean {
+    let means: Vec<f64> = edges_s.windows(2).map(|ends_s| mean_between(time_s, mu, ends_s[0], ends_s[1])).collect();
     let line = line_through(&means);
     let LineErrors { mean, change } = line_errors(&means);
     WindowMean { mu: line.mean, stderr: mean, drift: line.change, drift_stderr: change }
@@ -157,6 +163,19 @@ mod tests {
         // 21 samples make ten batches.
         let few = judge(1000, 1.5, |samples| red(&mut noise, samples, 1.5, 0.0));
         assert!(few.held > 0.94 && few.stated_over_true[0] < 1.8, "{} {}", few.stated_over_true[0], few.held);
+    }
+
+    #[test]
+    fn an_oscillation_has_no_smaller_error_than_its_part_of_a_period() {
+        let mut noise = Noise::new(7);
+        for period_s in [0.5, 0.9, 3.1, 7.0] {
+            let found = judge(400, 0.05, |samples| {
+                let phase = noise.uniform();
+                let at = |i: usize| (std::f64::consts::TAU * (0.05 * i as f64 / period_s + phase)).sin();
+                (0..samples).map(|i| at(i) + 0.1 * noise.normal()).collect()
+            });
+            assert!(found.held > 0.93, "{period_s} s: {} {:?}", found.held, found.stated_over_true);
+        }
     }
 
     /// Sawteeth with periods and heights that are equal, or vary by 20 %, with a random phase. Batches of equal length

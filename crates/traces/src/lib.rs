@@ -299,19 +299,17 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
         flags.push(TraceFlag::Odd("friction is recorded as negative and was turned".to_owned()));
     }
 
-    let mut window = averaging_window::window_mean(&time_s, &mu, options.window_s);
+    let window = averaging_window::window_mean(&time_s, &mu, options.window_s);
     if window.mu.abs() < MIN_FRICTION {
         return Err(no_friction(window.mu));
     }
     let in_window = samples_between(&time_s, options.window_s);
     let one_way = options.stroke_share.is_none();
-    let swing = stick_slip::oscillation(&time_s[in_window.clone()], &mu[in_window.clone()], window.mu);
-    let swing = swing.filter(|_| one_way).map(|(swing, crests_s)| {
-        if swing.is_relaxation() || swing.is_regular() {
-            window = window.of_swings(&time_s, &mu, options.window_s, &crests_s);
-        }
-        swing
-    });
+    let found = stick_slip::oscillation(&time_s[in_window.clone()], &mu[in_window.clone()], window.mu);
+    let (swing, crests_s) = found.filter(|_| one_way).unzip();
+    let is_known = swing.as_ref().is_some_and(|swing: &StickSlip| swing.is_relaxation() || swing.is_regular());
+    let crests_s = crests_s.filter(|_| is_known).unwrap_or_default();
+    let window = window.of_swings(&time_s, &mu, options.window_s, &crests_s);
     if window.drift.abs() > (MAX_DRIFT * window.mu).max(FLAGGED_DRIFT_STDERRS * window.drift_stderr) {
         return Err(TraceError::Refused(format!(
             "friction changes by {:+.0} % of its mean over the window: the sample sticks or has not settled; expected \
