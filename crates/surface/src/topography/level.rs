@@ -1,15 +1,6 @@
 use crate::topography::HeightMap;
 
 impl HeightMap {
-    /// Subtracts the mean height of the points present and returns it, in metres.
-    pub fn subtract_mean(&mut self) -> f64 {
-        let mean_m = self.mean_m();
-        for height in self.heights_mut() {
-            *height -= mean_m;
-        }
-        mean_m
-    }
-
     /// Mean height of the points present, in metres.
     pub fn mean_m(&self) -> f64 {
         let mut present = self.heights_m().iter().filter(|height| !height.is_nan());

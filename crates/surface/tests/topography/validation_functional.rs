@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use serde_json::Value;
 use slipgrid_base::monitor::Unwatched;
-use slipgrid_surface::topography::{HeightMap, MaterialRatioCurve, Sides};
+use slipgrid_surface::topography::{Form, HeightMap, MaterialRatioCurve, Sides};
 
 const LINES: usize = 96;
 const POINTS: usize = 120;
@@ -35,7 +35,7 @@ fn surface(waves: &[Wave], change: impl Fn(usize, f64) -> f64) -> HeightMap {
         1e-6 * change(j, sum)
     };
     let mut map = HeightMap::new(LINES, POINTS, 0.75e-6, 0.5e-6, (0..LINES * POINTS).map(height).collect()).unwrap();
-    map.subtract_mean();
+    map.remove_form(Form::Mean, &Unwatched).unwrap();
     map
 }
 
