@@ -51,10 +51,12 @@ export function drawExplorer(root, path, signal, onPrediction) {
     chance.textContent = !answer.expected ? "No answer for this texture"
       : answer.chance === null ? ""
         : `${percent(answer.chance)} chance to be on target${answer.condition ? ", all conditions at once" : ""}`;
-    const [count, depth_um] = answer.exposures ?? [];
+    const [count = null, depth_um = 0] = answer.exposures ?? [], name = answer.exposures_name;
     const rows = [["Largest local pressure", answer.peak_pressure_mpa, "MPa"],
       ["Clearance left under a cavity", answer.clearance_um, "µm"],
-      ["Share of the face that is cavity", 100 * answer.areal_density, "%"], [answer.exposures_name, count ?? null, `(${short(depth_um ?? 0)} µm)`], ["Laser time", answer.laser_s, "s"]];
+      ["Share of the face that is cavity", 100 * answer.areal_density, "%"],
+      [`${name[0].toUpperCase()}${name.slice(1)} (depth)`, count, `(${short(depth_um)} µm)`],
+      ["Laser time", answer.laser_s, "s"]];
     readings.replaceChildren(...rows.map(([name, value, unit]) => h("div", {}, h("dt", {}, name),
       h("dd", {}, value === null ? "not known" : `${short(value)} ${unit}`))));
     onPrediction(answer);

@@ -148,7 +148,7 @@ pub async fn predict(State(shared): State<Arc<Shared>>, Query(texture): Query<Te
             "clearance_um": read.map(|read| read.clearance_um),
             "areal_density": read.map(|read| read.areal_density),
             "exposures": read.and_then(|read| read.exposures),
-            "exposures_name": if found.task.laser.has_passes() { "Passes (depth)" } else { "Bursts (depth)" },
+            "exposures_name": found.task.laser.exposures_name(),
             "laser_s": read.and_then(|read| read.laser_s),
             "bounds_um": found.task.space.lengths_m().map(|ends| ends.map(|m| tidy(LENGTH_UM.from_si(m)))),
             "best_um": found.pattern.lengths_m().map(|m| tidy(LENGTH_UM.from_si(m))),

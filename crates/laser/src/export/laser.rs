@@ -179,6 +179,11 @@ impl Laser {
         self.infinite_pass_um().is_some()
     }
 
+    /// What a depth is counted in: passes over lines, or bursts on spots.
+    pub fn exposures_name(&self) -> &'static str {
+        if self.has_passes() { "passes" } else { "bursts" }
+    }
+
     /// Relative standard error of the depth per burst; `None` unless the depth was fitted against fluence.
     pub fn depth_per_burst_std(&self) -> Option<f64> {
         let std = self.ablation.map(|law| law.depth_per_burst_stderr_um / law.depth_per_burst_um);
@@ -196,7 +201,7 @@ impl Laser {
         if (depth_um - steps * step_um).abs() <= STEP_TOLERANCE_UM {
             return Ok(());
         }
-        let of = if self.has_passes() { "passes" } else { "bursts" };
+        let of = self.exposures_name();
         Err(ExportError::Refused(format!(
             "the depth of {} um is no whole number of {of} of {} um: expected for instance {} um",
             six_digits(depth_um),

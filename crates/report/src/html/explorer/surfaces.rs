@@ -70,7 +70,7 @@ impl Exposures {
         let area_m2 = task.specimen.outline.area_m2();
         let seconds: Option<Vec<f64>> = all.iter().map(|(_, time_s_m2)| Some(time_s_m2.as_ref()? * area_m2)).collect();
         let depths = all.iter().map(|(depth_um, _)| *depth_um).collect();
-        let name = if task.laser.has_passes() { "passes" } else { "bursts" };
+        let name = task.laser.exposures_name();
         let std_um = task.tolerances.map(|of| of.depth_std_um);
         let fixed_within_um = (least_m == depth_m)
             .then(|| depth_within_um(LENGTH_UM.from_si(depth_m), std_um.filter(|std_um| *std_um > 0.0)));
