@@ -6,12 +6,12 @@ use crate::rooms::{code, root, sources};
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
     ("base", 1_670),
-    ("model", 14_795),
-    ("surface", 10_175),
+    ("model", 14_800),
+    ("surface", 10_165),
     ("traces", 3_140),
-    ("laser", 4_560),
+    ("laser", 4_565),
     ("infer", 5_710),
-    ("design", 7_030),
+    ("design", 7_040),
     ("io", 9_460),
     ("report", 7_180),
     ("validate", 2_740),
