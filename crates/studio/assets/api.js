@@ -9,6 +9,8 @@ const bus = new EventTarget();
 const documents = new Map();
 const schemas = new Map();
 const queues = new Map();
+/// Numbers of lists of the folder that were asked for, and that of the list shown.
+let [foldersAsked, folderShown] = [0, 0];
 
 /// Calls `fn` on events `folder`, `doc`, `job`, `say`, until `signal` is aborted.
 export function on(type, fn, signal) {
@@ -146,7 +148,11 @@ export function newestJob(command, path) {
 }
 
 export async function loadFolder() {
+  const own = ++foldersAsked;
   const folder = await get("/api/folder");
+  // A list that was asked for earlier may arrive later.
+  if (own < folderShown) return;
+  folderShown = own;
   Object.assign(state, { root: folder.root, version: folder.version, files: folder.files });
   setFilesAt(folder.files_at);
   emit("folder", state);
