@@ -210,44 +210,30 @@ impl Mesh {
 /// nodes counterclockwise from the lower left, each with x and z.
 ///
 /// ```text
-/// K = sum over the Gauss points of B^T D B a b / 4,     D = 1 / (1 - nu^2) [1 nu 0; nu 1 0; 0 0 (1 - nu) / 2]
+/// K_nm = [ D1 X_nm + D3 Z_nm        D2 W_nm + D3 W_mn ]     D1 = 1 / (1 - nu^2), D2 = nu D1, D3 = (1 - nu) D1 / 2
+///        [ D2 W_mn + D3 W_nm        D1 Z_nm + D3 X_nm ]
+///
+/// X_nm = int N_n,x N_m,x = x_n x_m (1 + z_n z_m / 3) b / 4 a      with the nodes at x_n, z_n = -1 or 1
+/// Z_nm = int N_n,z N_m,z = z_n z_m (1 + x_n x_m / 3) a / 4 b
+/// W_nm = int N_n,x N_m,z = x_n z_m / 4
 /// ```
 fn element_stiffness(length: f64, height: f64) -> [[f64; 8]; 8] {
+    const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let normal = 1.0 / (1.0 - POISSON_RATIO * POISSON_RATIO);
     let (coupled, shear) = (normal * POISSON_RATIO, 0.5 * normal * (1.0 - POISSON_RATIO));
     let mut stiffness = [[0.0; 8]; 8];
-    for point in points() {
-        let strains: [[f64; 3]; 8] = strains(point, length, height);
-        for (row, of_row) in strains.iter().enumerate() {
-            let stress =
-                [normal * of_row[0] + coupled * of_row[1], coupled * of_row[0] + normal * of_row[1], shear * of_row[2]];
-            for (column, strain) in strains.iter().enumerate() {
-                let product: f64 = stress.iter().zip(strain).map(|(stress, strain)| stress * strain).sum();
-                stiffness[row][column] += 0.25 * length * height * product;
-            }
+    for (n, [xn, zn]) in CORNERS.into_iter().enumerate() {
+        for (m, [xm, zm]) in CORNERS.into_iter().enumerate() {
+            let along = 0.25 * xn * xm * (1.0 + zn * zm / 3.0) * height / length;
+            let upward = 0.25 * zn * zm * (1.0 + xn * xm / 3.0) * length / height;
+            let [mixed, turned] = [0.25 * xn * zm, 0.25 * xm * zn];
+            stiffness[2 * n][2 * m] = normal * along + shear * upward;
+            stiffness[2 * n][2 * m + 1] = coupled * mixed + shear * turned;
+            stiffness[2 * n + 1][2 * m] = coupled * turned + shear * mixed;
+            stiffness[2 * n + 1][2 * m + 1] = normal * upward + shear * along;
         }
     }
     stiffness
-}
-
-/// Gauss points of the square from -1 to 1.
-fn points() -> [[f64; 2]; 4] {
-    let at = 1.0 / 3.0_f64.sqrt();
-    [[-at, -at], [at, -at], [at, at], [-at, at]]
-}
-
-/// Strains xx, zz and xz at the point (`x`, `z`) of a rectangle, each coordinate from -1 to 1, due to unit
-/// displacements of the nodes, in the order of `element_stiffness`.
-fn strains([x, z]: [f64; 2], length: f64, height: f64) -> [[f64; 3]; 8] {
-    let corners: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-    let mut strains = [[0.0; 3]; 8];
-    for (node, [x_sign, z_sign]) in corners.into_iter().enumerate() {
-        let along = x_sign * (1.0 + z_sign * z) / (2.0 * length);
-        let upward = z_sign * (1.0 + x_sign * x) / (2.0 * height);
-        strains[2 * node] = [along, 0.0, upward];
-        strains[2 * node + 1] = [0.0, upward, along];
-    }
-    strains
 }
 
 #[cfg(test)]
