@@ -28,11 +28,14 @@ pub fn material_toml(
 ) -> Result<String, Failure> {
     let facts = &outcome.surface;
     let area_law = facts.law.as_ref().map(|law| {
-        let area = |&pressure_pa: &f64| {
-            let listed = facts.curve.iter().find(|point| point.pressure_pa == pressure_pa);
-            listed.map(|point| tidy(point.area_fraction_corrected))
-        };
-        let areas: Option<Vec<f64>> = law.pressures_pa().iter().map(area).collect();
+        // A(P) = f(P) A(P0) P / P0
+        let threshold_pa = law.pressures_pa()[0];
+        let at_threshold = facts.curve.iter().find(|point| point.pressure_pa == threshold_pa);
+        let areas = at_threshold.map(|point| {
+            let per_pa = point.area_fraction_corrected / threshold_pa;
+            let area = |(pressure_pa, factor): (&f64, &f64)| tidy(factor * per_pa * pressure_pa);
+            law.pressures_pa().iter().zip(law.factors()).map(area).collect::<Vec<f64>>()
+        });
         let um = |length_m: f64| LENGTH_UM.from_si(length_m).into();
         AreaLawFile {
             origin: facts.origin.map(|origin| AreaLawOrigin::name(origin).to_owned()),
