@@ -38,8 +38,8 @@ const DISC_SEED: u64 = 2;
 pub struct NextOptions {
     /// Number of samples to cut at once.
     pub count: usize,
-    /// Patterns that were cut and are not measured yet.
-    pub pending: Vec<Pattern>,
+    /// Samples that were cut and are not measured yet.
+    pub pending: Vec<CutSample>,
     /// Patterns whose chance the user asks for.
     pub own: Vec<Pattern>,
     /// Whether the samples are sectors of one specimen.
@@ -59,7 +59,7 @@ impl NextOptions {
 
     /// Options for what the trials of a calibration say, `samples`: which are pending, and which discs were cut.
     pub fn of_samples(samples: &[CutSample]) -> Self {
-        let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
+        let pending = samples.iter().filter(|cut| cut.measured.is_empty()).cloned().collect();
         let discs = samples.iter().filter_map(|cut| cut.disc.clone()).collect();
         Self { pending, discs, ..Self::default() }
     }
@@ -67,7 +67,7 @@ impl NextOptions {
     /// Whether `pattern` is not pending and, if `division` is given, fits on its sectors.
     pub fn is_open(&self, pattern: &Pattern, division: Option<&Division>) -> bool {
         let own = Features::from(pattern);
-        !self.pending.iter().any(|cut| is_same(&Features::from(cut), &own))
+        !self.pending.iter().any(|cut| is_same(&Features::from(&cut.pattern), &own))
             && division.is_none_or(|division| division.holds(pattern))
     }
 }
@@ -164,7 +164,8 @@ fn choose(
         search.solved(pattern).map(|found| search.as_cut(&found)).map_err(refused)
     };
     let own: Vec<Prediction> = options.own.iter().map(own).collect::<Result<_, _>>()?;
-    let pending: Vec<Prediction> = options.pending.iter().filter_map(|pattern| search.solved(pattern).ok()).collect();
+    let pending = options.pending.iter().filter_map(|cut| Some((cut, search.solved(&cut.pattern).ok()?)));
+    let pending: Vec<(&CutSample, Prediction)> = pending.collect();
     monitor.heed()?;
     let advice = Advice::of(search, best, found.is_within_reach);
     let listed = search.unlike(&found.solved, options.count, LISTED.max(options.count));
@@ -174,7 +175,7 @@ fn choose(
         let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1).of_friction(&asked.flat_shares);
         // Samples on one disc share what differs from disc to disc.
         let on_disc = options.one_disc.then(|| scenarios.clone().on_one_disc(DISC_SEED));
-        let draws = Draws { asked, scenarios: &scenarios, disc: on_disc.as_ref().unwrap_or(&scenarios) };
+        let draws = Draws { asked, disc: on_disc.as_ref().unwrap_or(&scenarios), scenarios: &scenarios };
         let chosen = several(&listed, &pending, options.count, &draws);
         // Solves each sample as cut; the first one is already solved.
         let chosen: Vec<Prediction> = chosen.into_iter().map(|of| search.as_cut(of)).collect();
@@ -232,6 +233,18 @@ impl Draws<'_> {
     fn hits(&self, scenarios: &Scenarios, (number, of): (usize, &Prediction)) -> Vec<bool> {
         scenarios.on_target(&of.texture.candidate(), &self.asked.loads, &self.asked.wanted, number)
     }
+
+    /// For each scenario, whether any of the `pending` samples, numbered from `first` on, is on target. Those of one disc
+    /// share what differs from disc to disc.
+    fn any_on_target(&self, pending: &[(&CutSample, Prediction)], first: usize) -> Vec<bool> {
+        let mut hit = vec![false; SCENARIOS];
+        for (place, (cut, of)) in pending.iter().enumerate() {
+            let same_disc = pending.iter().position(|(other, _)| cut.disc.is_some() && other.disc == cut.disc);
+            let on_disc = same_disc.map(|disc| self.scenarios.clone().on_one_disc(DISC_SEED + 1 + disc as u64));
+            mark(&mut hit, &self.hits(on_disc.as_ref().unwrap_or(self.scenarios), (first + place, of)));
+        }
+        hit
+    }
 }
 
 /// Adds the scenarios `by`, in which a sample is on target, to the scenarios `hit`, in which some sample is on target.
@@ -243,11 +256,15 @@ fn mark(hit: &mut [bool], by: &[bool]) {
 /// scenarios in which the designs before and the `pending` samples miss the target.
 ///
 /// Samples on one disc miss the target together, so that textures on one disc should differ more.
-fn several<'a>(pool: &'a [Prediction], pending: &[Prediction], count: usize, draws: &Draws<'_>) -> Vec<&'a Prediction> {
+fn several<'a>(
+    pool: &'a [Prediction],
+    pending: &[(&CutSample, Prediction)],
+    count: usize,
+    draws: &Draws<'_>,
+) -> Vec<&'a Prediction> {
     let count = count.max(1).min(pool.len());
     let each: Vec<Vec<bool>> = pool.par_iter().enumerate().map(|of| draws.hits(draws.disc, of)).collect();
-    let mut hit = vec![false; SCENARIOS];
-    (pool.len()..).zip(pending).for_each(|of| mark(&mut hit, &draws.hits(draws.scenarios, of)));
+    let mut hit = draws.any_on_target(pending, pool.len());
     let mut chosen: Vec<usize> = Vec::new();
     for _ in 0..count {
         let gain = |place: &usize| each[*place].iter().zip(&hit).filter(|(on, hit)| **on && !**hit).count();
@@ -266,12 +283,11 @@ fn several<'a>(pool: &'a [Prediction], pending: &[Prediction], count: usize, dra
 }
 
 /// Chance that at least one of the `chosen` or `pending` samples is on target.
-fn one_on_target(chosen: &[Prediction], pending: &[Prediction], count: usize, draws: &Draws<'_>) -> f64 {
-    let mut hit = vec![false; SCENARIOS];
+fn one_on_target(chosen: &[Prediction], pending: &[(&CutSample, Prediction)], count: usize, draws: &Draws<'_>) -> f64 {
     // Uses other sample numbers than the choice did, because the chosen designs were favoured by their own draws.
-    let numbers = LISTED.max(count)..;
-    numbers.clone().zip(pending).for_each(|of| mark(&mut hit, &draws.hits(draws.scenarios, of)));
-    numbers.skip(pending.len()).zip(chosen).for_each(|of| mark(&mut hit, &draws.hits(draws.disc, of)));
+    let first = LISTED.max(count);
+    let mut hit = draws.any_on_target(pending, first);
+    (first + pending.len()..).zip(chosen).for_each(|of| mark(&mut hit, &draws.hits(draws.disc, of)));
     hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64
 }
 

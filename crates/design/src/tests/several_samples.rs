@@ -1,6 +1,7 @@
 //! Samples to cut at once: apart, on sectors of one disc, and with warnings of the laser.
 
 use super::*;
+use slipgrid_infer::calibrate::{CutSample, CutSpecimen};
 
 #[test]
 fn several_samples_are_apart_and_the_same_each_time() {
@@ -72,9 +73,8 @@ fn the_chance_of_one_of_several_counts_what_one_disc_is_off_by() {
     let mut task = task(Planform::Groove);
     // Grooves reach a target set by their modelled ratios.
     reached_by(&mut task, [120e-6, 300e-6, 15e-6], 0.02);
-    let together = |task: &DesignTask, one_disc| {
-        let options = NextOptions { count: 3, one_disc, ..NextOptions::default() };
-        next_trials(task, &options, &*KNOWN).unwrap().report.one_on_target.unwrap()
+    let together = |task: &DesignTask, options: &NextOptions| {
+        next_trials(task, options, &*KNOWN).unwrap().report.one_on_target.unwrap()
     };
     // Without model error a texture on target is found, and the disc alone may miss it.
     let prior = Hyperparameters {
@@ -87,14 +87,38 @@ fn the_chance_of_one_of_several_counts_what_one_disc_is_off_by() {
         let prior = Hyperparameters { speed_std: 0.0, humidity_std: 0.0, sample_std, ..prior.clone() };
         Discrepancy::new(prior, Conditions::default(), 0.0, Vec::new()).unwrap()
     };
-    let mut chance = |sample_std: f64, one_disc| {
+    let mut chance_of = |sample_std: f64, options: &NextOptions| {
         let known = MaterialUncertainty { learned: Some(with(sample_std)), ..MaterialUncertainty::default() };
         task.material = Some(crate::task::KnownMaterial { uncertainty: known, ..task.material.clone().unwrap() });
-        together(&task, one_disc)
+        together(&task, options)
     };
+    let three = |one_disc| NextOptions { count: 3, one_disc, ..NextOptions::default() };
+    let mut chance = |sample_std: f64, one_disc| chance_of(sample_std, &three(one_disc));
     assert_eq!(chance(0.0, true).to_bits(), chance(0.0, false).to_bits());
     let (little, much) = (chance(0.002, true), chance(0.04, true));
     assert!(little > 0.9 && much < 0.8, "{little} {much}");
+    // So do samples that were cut and are not measured yet: four sectors of one disc promise less than four discs.
+    let width_m = [118e-6, 119e-6, 121e-6, 122e-6];
+    let cut = |disc: Option<&str>| {
+        let pattern = |width_m| Pattern::new(Planform::Groove, width_m, 300e-6, 15e-6).unwrap();
+        let cut = |width_m| CutSample {
+            name: String::new(),
+            date: String::new(),
+            notes: String::new(),
+            pattern: pattern(width_m),
+            relief: None,
+            map: None,
+            land: None,
+            dimensions_std_m: [0.0; 3],
+            sample_std: None,
+            disc: disc.map(str::to_owned),
+            specimen: CutSpecimen::default(),
+            measured: Vec::new(),
+        };
+        NextOptions { count: 1, pending: width_m.map(cut).to_vec(), ..NextOptions::default() }
+    };
+    let (disc, apart) = (chance_of(0.04, &cut(Some("disc 1"))), chance_of(0.04, &cut(None)));
+    assert!(disc < apart - 0.1, "{disc} {apart}");
 }
 
 #[test]
