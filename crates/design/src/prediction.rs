@@ -133,6 +133,7 @@ impl Prediction {
                 pressure_mpa,
                 ratio: tidy(*ratio),
                 std: tidy(ratio * own.max(0.0).sqrt().hypot(of_modulus)),
+                flat: tidy(asked.bands[load].flat),
             }
         };
         self.texture.ratio.iter().enumerate().map(of).collect()
@@ -323,6 +324,8 @@ pub struct ModelledRatio {
     pub ratio: f64,
     /// Standard deviation of the ratio from the material and from numerical errors.
     pub std: f64,
+    /// Friction of the flat surface in the quantity of the target: its coefficient, or 1 where the target is a ratio.
+    pub flat: f64,
 }
 
 /// Uncertain input that limits the chance.

@@ -105,7 +105,7 @@ impl UncertaintyBudget {
         let (sample, is_ratio) = (&report.sample, report.is_ratio());
         let budget = |(row, at): (usize, &slipgrid_design::Expected)| {
             // A ratio times the friction of the flat surface is the coefficient.
-            let sensitivity = if is_ratio { 1.0 } else { flat_of(report, row)? };
+            let sensitivity = flat_of(report, row)?;
             let inputs: Option<Vec<Input>> = sample
                 .limited_by
                 .iter()

@@ -45,16 +45,15 @@ fn measured(report: &DesignReport, found: &DesignOutcome) -> Vec<[f64; 2]> {
     points.filter(|[p, _]| (low / BEYOND..=high * BEYOND).contains(p)).collect()
 }
 
-/// Friction of the flat surface at the load with the index `row`, in the target's quantity: 1 for a ratio, otherwise
-/// the coefficient from the run that confirms the design; `None` if this run has no value at that load.
+/// Friction of the flat surface at the load with the index `row`, in the target's quantity; `None` if it is unknown.
 pub(crate) fn flat_of(report: &DesignReport, row: usize) -> Option<f64> {
-    if report.is_ratio() { Some(1.0) } else { report.confirmed.get(row)?.mu_flat }
+    Some(report.sample.modelled.get(row)?.flat)
 }
 
 /// Prediction of the model alone, without corrections from trials, at the load with the index `row`, in the target's
 /// quantity; `None` if it is unknown.
 pub(crate) fn model_alone(report: &DesignReport, row: usize) -> Option<f64> {
-    Some(report.sample.modelled.get(row)?.ratio * flat_of(report, row)?)
+    report.sample.modelled.get(row).map(|modelled| modelled.ratio * modelled.flat)
 }
 
 /// Target at one pressure, with the friction of the flat surface; values are in the target's quantity.

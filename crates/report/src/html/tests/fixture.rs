@@ -120,7 +120,7 @@ fn sample(design: &PatternReport) -> SampleReport {
         target_high: Some(high),
         ..Expected::default()
     };
-    let modelled = |pressure_mpa, ratio| ModelledRatio { pressure_mpa, ratio, std: 0.0123 };
+    let modelled = |pressure_mpa, ratio| ModelledRatio { pressure_mpa, ratio, std: 0.0123, flat: 1.0 };
     let limit = |input: &str, known_to: &str, std: [f64; 2], chance_if_known| LimitedBy {
         input: input.into(),
         known_to: known_to.into(),
