@@ -79,7 +79,7 @@ pub struct TrialReport {
     /// Disc that the trial shares with other trials; null if it has a specimen to itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disc: Option<String>,
-    /// Areal density: share of the face that is cavity.
+    /// Areal density: share of a period of the infinite pattern that is cavity.
     pub areal_density: f64,
     /// Edge length per area, in 1/mm.
     pub edge_per_mm: f64,

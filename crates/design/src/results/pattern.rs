@@ -18,7 +18,7 @@ pub struct PatternReport {
     /// Shape, arrangement, directions and rims.
     #[serde(flatten)]
     pub texture: TextureRecord,
-    /// Share of the surface that is cavity.
+    /// Areal density: share of a period of the infinite pattern that is cavity.
     pub areal_density: f64,
     /// Share of the section through the cavities' centres that is cavity.
     pub section_density: f64,

@@ -38,7 +38,7 @@ pub struct SimulationReport {
     pub pattern: Option<PatternReport>,
     /// True if the vertical plane is a section of a planform that needs three dimensions.
     pub section_model: bool,
-    /// Share of the surface that is cavity; null for a flat scene.
+    /// Areal density: share of a period of the infinite pattern that is cavity; null for a flat scene.
     pub areal_density: Option<f64>,
     /// Share of the modelled section that is cavity; null for a flat scene.
     pub section_density: Option<f64>,

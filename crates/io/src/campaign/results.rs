@@ -25,7 +25,7 @@ const DESIGN_COLUMNS: [(&str, &str); 6] = [
     ("width_um", "/design/width_um"),
     ("spacing_um", "/design/spacing_um"),
     ("depth_um", "/design/depth_um"),
-    ("areal_density", "/specimen_areal_density"),
+    ("specimen_areal_density", "/specimen_areal_density"),
 ];
 
 /// Number of tasks by state.

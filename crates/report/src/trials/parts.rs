@@ -17,7 +17,7 @@ use super::{PER_MM, TrialsReport};
 pub struct PendingTrial {
     /// Name of the sample.
     pub name: String,
-    /// Areal density: share of the face that is cavity.
+    /// Areal density: share of a period of the infinite pattern that is cavity.
     pub areal_density: f64,
     /// Edge length per area, in 1/mm.
     pub edge_per_mm: f64,
