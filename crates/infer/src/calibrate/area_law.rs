@@ -19,8 +19,8 @@ pub const CONTACT_TOLERANCE: f64 = 1e-4;
 
 /// Default pressures of an area law, in MPa: up to the local pressures at edges of cavities, with [`area_law`] between
 /// them. Pressures beyond full contact cost no time.
-pub const DEFAULT_PRESSURES_MPA: [f64; 14] =
-    [0.1, 0.2, 0.4, 0.7, 1.0, 1.6, 2.6, 4.0, 6.5, 10.0, 17.0, 30.0, 55.0, 100.0];
+pub const DEFAULT_PRESSURES_MPA: [f64; 20] =
+    [0.1, 0.2, 0.4, 0.7, 0.85, 1.0, 1.3, 1.6, 2.0, 2.6, 3.2, 4.0, 5.0, 6.5, 8.0, 10.0, 17.0, 30.0, 55.0, 100.0];
 
 /// Between the pressures of a curve, an area law is tabulated at so many that f linear between them is off by about
 /// this.
@@ -219,8 +219,8 @@ pub fn area_curve(
 /// ```
 ///
 /// y is constant in the theory, and falls by a quarter from light loads to full contact on a map. On the reference map f
-/// is within 0.002 of contact at each pressure between those of [`DEFAULT_PRESSURES_MPA`]
-/// (`the_law_between_its_pressures_is_that_of_contact`); f linear between twice as many was within 0.0045.
+/// is within 0.0012 of contact at each pressure between those of [`DEFAULT_PRESSURES_MPA`]
+/// (`the_law_between_its_pressures_is_that_of_contact`); f linear between 28 pressures was within 0.0037.
 ///
 /// # Errors
 /// [`MaterialError`] if the curve does not bracket the threshold pressure.
@@ -381,7 +381,7 @@ mod tests {
             let relative = point.area_fraction_corrected / solved[0].area_fraction_corrected;
             let exact = relative / (point.pressure_pa / at_threshold);
             let found = law.factor(point.pressure_pa);
-            assert!((found - exact).abs() < 4e-3, "{} Pa: {found} {exact}", point.pressure_pa);
+            assert!((found - exact).abs() < 2e-3, "{} Pa: {found} {exact}", point.pressure_pa);
         }
         // In full contact f P is constant.
         let kept = law.factor(80e6) - law.factor(100e6) * 100.0 / 80.0;

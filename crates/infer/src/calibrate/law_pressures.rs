@@ -15,9 +15,11 @@ const MAX_SMALL_LOAD: f64 = 0.1;
 const AREA_PER_LOAD: f64 = 1.596;
 
 /// Pressures of a law without a stated threshold, relative to the reference pressure of a large map: from 1.6 % contact
-/// to full contact. On maps of nine kinds f between them was as near to contact as f linear between 32 pressures.
-const PRESSURE_RATIOS: [f64; 14] =
-    [1.0, 2.0, 4.0, 8.0, 14.0, 22.0, 33.0, 50.0, 72.0, 100.0, 150.0, 250.0, 460.0, 1000.0];
+/// to full contact. On maps of eight kinds f between 14 of them was as near to contact as f linear between 32 pressures.
+const PRESSURE_RATIOS: [f64; 20] = [
+    1.0, 2.0, 4.0, 8.0, 14.0, 22.0, 28.0, 33.0, 40.0, 50.0, 60.0, 72.0, 86.0, 100.0, 125.0, 150.0, 200.0, 300.0, 460.0,
+    1000.0,
+];
 
 /// Pressures at which the contact area of a surface is computed for its area law.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,7 +80,7 @@ mod tests {
             for step in 0..400 {
                 let x = 1e-3 * 1.025_f64.powi(step);
                 let found = law.factor(x * contact_modulus_pa * rms_slope);
-                assert!((found - factor(x)).abs() < 7e-4, "{contact_modulus_pa} {x}: {found} {}", factor(x));
+                assert!((found - factor(x)).abs() < 6e-4, "{contact_modulus_pa} {x}: {found} {}", factor(x));
             }
         }
     }
