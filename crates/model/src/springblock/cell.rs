@@ -192,13 +192,15 @@ impl SteadyCell {
         }
         let lattice = self.lattice(pattern);
         let stiffness = self.elastic.youngs_modulus_pa();
-        if let Some(model) = raised_model(&lattice, self.layer.block_m, self.elastic) {
+        if lattice.is_raised()
+            && let Some(model) = RaisedModel::new(&lattice, self.layer.block_m, self.elastic)
+        {
             let mut history = FaceHistory::default();
             return self.solve_in_plane(lattice.nx(), |load| model.solve(load, &mut history));
         }
         if self.layer.is_backed() {
             let columns = lattice.nx();
-            let model = ThickModel::new(lattice, self.layer.block_m, stiffness, self.liftoff);
+            let model = ThickModel::new(lattice, self.layer.block_m, self.elastic, self.liftoff);
             return self.solve_in_plane(columns, |load| model.solve(load));
         }
         let condensed = CondensedModel::new(&lattice, self.layer.block_m, stiffness, self.liftoff);
@@ -281,12 +283,6 @@ impl SteadyCell {
     pub fn ratios_of(&self, patterns: &[Pattern]) -> Vec<Vec<Option<f64>>> {
         patterns.par_iter().map(|pattern| self.ratios(pattern)).collect()
     }
-}
-
-/// Model of a cell whose face has height variations. Returns `None` for a flat face, or if the equations of all blocks
-/// are needed.
-pub fn raised_model(lattice: &Lattice, block_m: f64, elastic: Elastic) -> Option<RaisedModel> {
-    if lattice.is_raised() { RaisedModel::new(lattice, block_m, elastic) } else { None }
 }
 
 /// Estimated number of multiply-adds, and memory in bytes, for the cell of `pattern` on a thick specimen with blocks of

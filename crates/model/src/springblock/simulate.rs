@@ -23,9 +23,9 @@ use crate::pattern::Pattern;
 use rayon::prelude::*;
 use slipgrid_base::monitor::cached;
 
-use crate::springblock::cell::{cell_condensing_cost, raised_model};
+use crate::springblock::cell::cell_condensing_cost;
 use crate::springblock::dynamics::{Plan, Scheme};
-use crate::springblock::steady::{BATCH, FaceHistory, RaisedModel, ThickModel, factor_bytes};
+use crate::springblock::steady::{BATCH, factor_bytes};
 use crate::springblock::{
     Column, Dimension, Extent, Fidelity, Lattice, Layer, Load, LoadOutcome, Monitor, RunOptions, Scene, SceneError,
     Simulation, Statements, Status, SteadyCell, SteadyLoad, SteadyModel, Strip, SurfaceOutcome, columns, draws,
@@ -226,67 +226,40 @@ fn all_affordable(scene: &Scene, lattices: &[Lattice]) -> Result<(), SceneError>
     lattices.iter().try_for_each(|lattice| affordable(scene, lattice.nx(), lattice.is_periodic()))
 }
 
-/// Model of steady sliding of one surface.
-enum Steady {
-    /// Equations of all blocks of the layer.
-    Blocks(SteadyModel),
-    /// Cell over the whole thickness of the specimen.
-    Thick(ThickModel),
-    /// Cell whose face has height variations.
-    Raised(RaisedModel),
-}
-
-impl Steady {
-    fn new(scene: &Scene, lattice: Lattice) -> Self {
-        let (block_m, stiffness, liftoff) = (scene.layer.block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff);
-        if let Some(model) = raised_model(&lattice, block_m, scene.elastic) {
-            Self::Raised(model)
-        } else if lattice.ny() > scene.layer.rows() {
-            Self::Thick(ThickModel::new(lattice, block_m, stiffness, liftoff))
-        } else {
-            Self::Blocks(SteadyModel::for_scene(scene, lattice))
-        }
+/// Solves steady sliding of all blocks of the layer on `lattice` under each load of `scene`.
+fn solve_all(scene: &Scene, lattice: Lattice) -> Vec<SurfaceOutcome> {
+    let coefficients = |load: &Load| steady_coefficients(scene, load, lattice.nx());
+    let drawn: Vec<Vec<f64>> = scene.loads.iter().map(coefficients).collect();
+    let area_law = scene.area_law.as_ref();
+    let loads = scene.loads.iter().zip(&drawn);
+    let loads = loads.map(|(load, dynamic_mu)| SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu, area_law });
+    let loads: Vec<SteadyLoad> = loads.collect();
+    let model = SteadyModel::for_scene(scene, lattice);
+    if scene.run.liftoff {
+        // Loads under which blocks lift have factors of their own.
+        return loads.par_iter().map(|load| model.solve(load)).collect();
     }
-
-    /// Solves steady sliding on `columns` columns under each load of `scene`.
-    fn solve_all(&self, scene: &Scene, columns: usize) -> Vec<SurfaceOutcome> {
-        let drawn: Vec<Vec<f64>> = scene.loads.iter().map(|load| steady_coefficients(scene, load, columns)).collect();
-        let area_law = scene.area_law.as_ref();
-        let loads = scene.loads.iter().zip(&drawn);
-        let loads = loads.map(|(load, dynamic_mu)| SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu, area_law });
-        let loads: Vec<SteadyLoad> = loads.collect();
-        match self {
-            // Loads under which blocks lift have factors of their own.
-            Self::Blocks(model) if scene.run.liftoff => loads.par_iter().map(|load| model.solve(load)).collect(),
-            Self::Blocks(model) => loads.par_chunks(BATCH).flat_map_iter(|loads| model.solve_all(loads)).collect(),
-            Self::Thick(model) => loads.par_iter().map(|load| model.solve(load)).collect(),
-            // Points that one load has flattened remain flat for the next load, so loads are solved in sequence.
-            Self::Raised(model) => {
-                let mut history = FaceHistory::default();
-                loads.iter().map(|load| model.solve(load, &mut history)).collect()
-            }
-        }
-    }
+    loads.par_chunks(BATCH).flat_map_iter(|loads| model.solve_all(loads)).collect()
 }
 
 fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let (own, flat) = surfaces(scene, scene.pattern.as_ref());
-    // A flat layer is uniform whatever its thickness.
-    let cell = scene.pattern.as_ref().filter(|_| scene.run.extent == Extent::Cell && scene.layer.is_backed());
-    let own = match cell {
-        None => {
-            affordable(scene, own.len(), scene.run.extent == Extent::Cell)?;
-            lattice(scene, own)
+    let cell = scene.pattern.as_ref().filter(|_| scene.run.extent == Extent::Cell);
+    match cell {
+        // A flat layer is uniform whatever its thickness.
+        Some(pattern) if scene.layer.is_backed() => {
+            require_memory(cell_condensing_cost(pattern, scene.layer.block_m).1).map(|_| ())
         }
-        Some(pattern) => {
-            require_memory(cell_condensing_cost(pattern, scene.layer.block_m).1)?;
-            Lattice::new(own, scene.layer.thick_rows(), true)
-        }
+        _ => affordable(scene, own.len(), scene.run.extent == Extent::Cell),
+    }?;
+    let own = lattice(scene, own);
+    let is_plain = own.is_plain();
+    let of_cell = |pattern: &Pattern| SteadyCell::with_dimension(scene, Dimension::Plane).solve(pattern);
+    let own = || match cell {
+        Some(pattern) => of_cell(pattern).into_iter().map(|found| found.surface).collect(),
+        None => solve_all(scene, own),
     };
-    let (columns, is_plain, flat_columns) = (own.nx(), own.is_plain(), flat.as_ref().map_or(0, Vec::len));
-    let (own, flat) = rayon::join(|| Steady::new(scene, own), || flat.map(|c| Steady::new(scene, lattice(scene, c))));
-    let (own, flat) =
-        rayon::join(|| own.solve_all(scene, columns), || flat.map(|flat| flat.solve_all(scene, flat_columns)));
+    let (own, flat) = rayon::join(own, || flat.map(|flat| solve_all(scene, lattice(scene, flat))));
     let flat = |number: usize| flat.as_ref().map(|all| all[number].clone());
     let own = own.into_iter().enumerate();
     let loads = own.map(|(number, own)| compare(&scene.loads[number], own, flat(number))).collect();

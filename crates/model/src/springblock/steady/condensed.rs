@@ -106,7 +106,7 @@ impl CondensedModel {
     /// equal columns, if cavities reach the top row, if the equations are singular, or if the band matrix of all blocks
     /// takes fewer operations.
     pub fn new(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Option<Self> {
-        let equations = Equations::for_lattice(lattice, &[], false)?;
+        let equations = Equations::for_lattice(lattice, false)?;
         let products = equations.products(lattice);
         if products > band_products(lattice.nx(), lattice.ny()) {
             return None;
@@ -115,28 +115,18 @@ impl CondensedModel {
         Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
     }
 
-    /// Like [`Self::new`], but however many operations it takes, and with the contact blocks of the columns `lifted`
-    /// off the counterface.
-    pub(super) fn with_lifted(
-        lattice: &Lattice,
-        block_m: f64,
-        youngs_modulus_pa: f64,
-        lifted: &[usize],
-    ) -> Option<Self> {
-        let (equations, liftoff) = (Equations::for_lattice(lattice, lifted, false)?, !lifted.is_empty());
-        let cell = if liftoff {
-            Arc::new(equations.condense(lattice)?)
-        } else {
-            let products = equations.products(lattice);
-            equations.condense_cached(lattice, products)?
-        };
-        Some(Self { block_m, youngs_modulus_pa, liftoff, cell })
+    /// Like [`Self::new`], but however many operations it takes, and with contacts that pull.
+    pub(super) fn with_any_cost(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
+        let equations = Equations::for_lattice(lattice, false)?;
+        let products = equations.products(lattice);
+        let cell = equations.condense_cached(lattice, products)?;
+        Some(Self { block_m, youngs_modulus_pa, liftoff: false, cell })
     }
 
     /// Like [`Self::new`], but however many operations it takes, and with the heights of the face as inputs, as needed
     /// by [`super::raised`].
     pub(super) fn with_raised_face(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
-        let cell = Arc::new(Equations::for_lattice(lattice, &[], true)?.condense(lattice)?);
+        let cell = Arc::new(Equations::for_lattice(lattice, true)?.condense(lattice)?);
         Some(Self { block_m, youngs_modulus_pa, liftoff: true, cell })
     }
 
@@ -156,7 +146,7 @@ impl CondensedModel {
         &self.cell.response.contacts
     }
 
-    /// Solves for the fixed point of friction under `load` with the model's lifted contacts.
+    /// Solves for the fixed point of friction under `load`.
     pub(super) fn iterate(&self, load: &SteadyLoad) -> Equilibrium {
         iterate(self.response(), load)
     }
@@ -170,14 +160,6 @@ impl CondensedModel {
     pub(super) fn observe_raised(&self, load: &SteadyLoad, state: &Equilibrium, heights: &[f64]) -> SurfaceOutcome {
         let clearance = self.clearance(load.pressure_pa, &[&state.friction, heights].concat());
         observe(self.contacts(), self.block_m, load, state, clearance)
-    }
-
-    /// Vertical displacement of every lifted contact, in the order of the contacts, in units of P l^2 / k (nominal
-    /// pressure P, lattice spacing l, spring stiffness k); `None` for other contacts.
-    pub(super) fn heights(&self, state: &Equilibrium) -> Vec<Option<f64>> {
-        let unknowns = self.unknowns(&state.friction);
-        let of_lifted = |contact: &Contact| contact.lifted.then(|| unknowns[contact.dof]);
-        self.contacts().iter().map(of_lifted).collect()
     }
 
     /// Solves steady sliding under `load`; `None` if blocks leave the counterface or the solve does not converge, in

@@ -96,9 +96,9 @@ mod tests {
             let (lattice, mut is_new) = (lattice(width_um), false);
             let found = get_or_condense_per_thread(&lattice, || {
                 is_new = true;
-                Equations::for_lattice(&lattice, &[], false)?.condense(&lattice).map(Arc::new)
+                Equations::for_lattice(&lattice, false)?.condense(&lattice).map(Arc::new)
             });
-            let expected = Equations::for_lattice(&lattice, &[], false).unwrap().condense(&lattice).unwrap();
+            let expected = Equations::for_lattice(&lattice, false).unwrap().condense(&lattice).unwrap();
             assert_eq!(found.unwrap().unknowns, expected.unknowns);
             is_new
         });
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn a_cell_is_condensed_once_and_the_oldest_are_forgotten() {
         let lattice = |width_um: f64| Lattice::new(columns::cell(&groove(width_um, 100.0, 20.0), 10e-6), 20, true);
-        let made = |lattice: &Lattice| Equations::for_lattice(lattice, &[], false)?.condense(lattice).map(Arc::new);
+        let made = |lattice: &Lattice| Equations::for_lattice(lattice, false)?.condense(lattice).map(Arc::new);
         let of_one = numbers(&Arc::new(OnceLock::from(made(&lattice(80.0)))));
         let latest = CellCache::with_capacity(2 * of_one + of_one / 2);
         let widths = [80.0, 81.0, 80.0, 82.0, 80.0, 81.0];

@@ -54,16 +54,15 @@ pub struct Equations {
 }
 
 impl Equations {
-    /// Creates the layout for a periodic lattice of equal columns whose cavities leave at least one row, with the
-    /// columns `lifted` off the counterface; `None` for another lattice. With `raised` the heights of the face at the
-    /// contacts are inputs.
-    pub fn for_lattice(lattice: &Lattice, lifted: &[usize], raised: bool) -> Option<Self> {
+    /// Creates the layout for a periodic lattice of equal columns whose cavities leave at least one row; `None` for
+    /// another lattice. With `raised` the heights of the face at the contacts are inputs.
+    pub fn for_lattice(lattice: &Lattice, raised: bool) -> Option<Self> {
         let width = lattice.columns().first()?.width;
         let explicit = (lattice.cavity_rows() + 1).max(2);
         if !lattice.is_periodic() || explicit > lattice.ny() || lattice.columns().iter().any(|c| c.width != width) {
             return None;
         }
-        let mut contacts = contacts(lattice, lifted, |_| 0);
+        let contacts = contacts(lattice, &[], |_| 0);
         let nx = lattice.nx();
         let mut missing = Vec::new();
         let mut number = vec![NONE; explicit * nx];
@@ -95,18 +94,12 @@ impl Equations {
                 unknown_at[nx + i] = 0;
             }
         }
-        for contact in contacts.iter().filter(|contact| contact.lifted) {
-            unknown_at[nx + contact.column] = 0;
-        }
         let mut unknowns = Vec::new();
         let mut runs: Vec<Run> = Vec::new();
         for (at, unknown) in unknown_at.iter_mut().enumerate().filter(|(_, unknown)| **unknown == 0) {
             *unknown = unknowns.len();
             add_to_runs(&mut runs, at / nx, at % nx, unknowns.len());
             unknowns.push((at / nx, at % nx));
-        }
-        for contact in contacts.iter_mut().filter(|contact| contact.lifted) {
-            contact.dof = unknown_at[nx + contact.column];
         }
         for (contact, place) in contacts.iter().zip(unknowns.len()..) {
             // Friction inputs start a new run, even next to the unknowns of the same field.
@@ -261,7 +254,7 @@ impl Equations {
         };
         let mut ties = vec![0.0; nx];
         for contact in &self.contacts {
-            ties[contact.column] = contact.tie.filter(|_| !contact.lifted).unwrap_or(0.0);
+            ties[contact.column] = contact.tie.unwrap_or(0.0);
         }
         // M y = B (T, z, 1)
         let mut equations = vec![0.0; n * width];
@@ -293,8 +286,7 @@ impl Equations {
         let mut influence = vec![0.0; m * inputs];
         let mut at_rest = vec![0.0; m];
         let mut row = vec![0.0; width];
-        // Lifted contacts have no normal force.
-        for (number, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| !contact.lifted) {
+        for (number, contact) in self.contacts.iter().enumerate() {
             pressed(contact.column, &mut row);
             let (by_unknowns, rest) = row.split_at_mut(n);
             rest.iter_mut().for_each(|entry| *entry = -*entry);
