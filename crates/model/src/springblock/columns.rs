@@ -58,36 +58,6 @@ fn columns_in(blocks: f64) -> usize {
     blocks.round().max(1.0) as usize
 }
 
-/// Width, spacing and depth of a pattern, in lattice spacings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Period {
-    width: f64,
-    spacing: f64,
-    depth: f64,
-}
-
-impl Period {
-    fn new(pattern: &Pattern, block_m: f64) -> Self {
-        Self {
-            width: round_if_whole(pattern.width_m() / block_m),
-            spacing: round_if_whole(pattern.spacing_m() / block_m),
-            depth: round_if_whole(pattern.depth_m() / block_m),
-        }
-    }
-
-    /// Column of a land, and number of such columns.
-    fn land(&self) -> (Column, usize) {
-        let count = columns_in(self.spacing);
-        (Column::land(self.spacing / count as f64), count)
-    }
-
-    /// Column of a cavity, and number of such columns.
-    fn cavity(&self) -> (Column, usize) {
-        let count = columns_in(self.width);
-        (Column::cavity(self.width / count as f64, self.depth), count)
-    }
-}
-
 pub fn flat(count: usize) -> Vec<Column> {
     vec![Column::land(1.0); count]
 }
@@ -127,23 +97,23 @@ pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
 
 /// Like [`cell`], with the measured relief `map` of the lands.
 pub fn cell_with_map(pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
-    let period = Period::new(pattern, block_m);
-    let pitch = period.width + period.spacing;
+    let [cavity, spacing, depth] = pattern.lengths_m().map(|length_m| round_if_whole(length_m / block_m));
+    let pitch = cavity + spacing;
     let repeated = Rims::periods(pattern);
     let (periods, columns, width) = divide(repeated as f64 * pitch);
     let rims = Rims::new(pattern, block_m, periods * repeated);
-    let covered = columns_in(period.width / width);
+    let covered = columns_in(cavity / width);
     let before = columns.saturating_sub(covered) / 2;
     let edge = before as f64 * width;
     let columns = (0..columns)
         .map(|i| {
             let (left, right) = (i as f64 * width - edge, (i + 1) as f64 * width - edge);
             // Cavities m pitches from the first one, also beyond the ends of the cell.
-            let overlap = |m: f64| (right.min(m * pitch + period.width) - left.max(m * pitch)).max(0.0);
+            let overlap = |m: f64| (right.min(m * pitch + cavity) - left.max(m * pitch)).max(0.0);
             let first = (left / pitch).floor();
             let coverage = round_share((overlap(first) + overlap(first + 1.0)) / width);
-            let cavity_rows = if coverage > 0.0 { period.depth } else { 0.0 };
-            let relief = rims.as_ref().map_or(0.0, |rims| rims.mean([left, right], [period.width, pitch]));
+            let cavity_rows = if coverage > 0.0 { depth } else { 0.0 };
+            let relief = rims.as_ref().map_or(0.0, |rims| rims.mean([left, right], [cavity, pitch]));
             Column { width, coverage, cavity_rows, relief }
         })
         .collect();
@@ -174,37 +144,22 @@ fn with_measured_relief(
     columns
 }
 
-/// Divides the whole specimen, `length` lattice spacings long, into columns.
+/// Divides the whole specimen, `length` lattice spacings long, into columns like those of a [`strip`].
 ///
-/// The specimen begins with half a land, like a cell, and its end cuts the last period. The rest of the last land or
-/// cavity is divided into columns like the others; a remainder narrower than [`MIN_PIECE_WIDTH`] is added to the land
-/// or cavity before it.
+/// The specimen begins with half the columns of a land, like a cell, and its end cuts the last period.
 pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
     sample_with_map(pattern, block_m, length, None)
 }
 
 /// Like [`sample`], with the measured relief `map` of the lands.
 pub fn sample_with_map(pattern: &Pattern, block_m: f64, length: usize, map: Option<&ReliefMap>) -> Vec<Column> {
-    let period = Period::new(pattern, block_m);
-    let length = length as f64;
-    let mut columns: Vec<Column> = Vec::new();
-    let mut filled = 0.0;
-    let (column, count) = period.land();
-    let mut piece = (column, count / 2);
-    while filled < length - WHOLE_TOLERANCE * length {
-        let (column, count) = piece;
-        let left = round_if_whole(length - filled);
-        let whole_width = column.width * count as f64;
-        if whole_width <= left {
-            columns.extend(std::iter::repeat_n(column, count));
-            filled += whole_width;
-        } else {
-            clip(&mut columns, column, left);
-            filled = length;
-        }
-        piece = if column.is_land() { period.cavity() } else { period.land() };
-    }
-    with_relief(columns, pattern, block_m, map)
+    let [width, spacing, depth] = pattern.lengths_m().map(|length_m| round_if_whole(length_m / block_m));
+    let (length, land) = (length as f64, columns_in(spacing));
+    let first = (land / 2) as f64 * spacing / land as f64;
+    let starts = (0..).map(|number| first + f64::from(number) * (width + spacing));
+    let starts = starts.take_while(|start| start + MIN_PIECE_WIDTH <= length);
+    let cavities: Vec<[f64; 2]> = starts.map(|start| [start, (start + width).min(length)]).collect();
+    with_relief(strip(length, &cavities, depth), pattern, block_m, map)
 }
 
 /// Divides a strip of the specimen's face, `length` lattice spacings long, into columns.
@@ -283,23 +238,6 @@ pub fn with_relief(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, ma
 /// Minimum width of a land or a cavity with columns of its own, in lattice spacings. Springs along the axes have
 /// positive stiffness for widths between 1/sqrt(3) and sqrt(3) lattice spacings.
 const MIN_PIECE_WIDTH: f64 = 0.6;
-
-/// Appends a last piece, `left` lattice spacings long, of columns like `column`; a sliver is merged with the piece
-/// before it.
-fn clip(columns: &mut Vec<Column>, column: Column, left: f64) {
-    if left >= MIN_PIECE_WIDTH || columns.is_empty() {
-        let count = columns_in(left);
-        columns.extend(std::iter::repeat_n(Column { width: left / count as f64, ..column }, count));
-        return;
-    }
-    // Merge the sliver with the piece before it and divide again.
-    let last = columns[columns.len() - 1];
-    let run = columns.iter().rev().take_while(|c| **c == last).count();
-    columns.truncate(columns.len() - run);
-    let total = last.width * run as f64 + left;
-    let count = columns_in(total);
-    columns.extend(std::iter::repeat_n(Column { width: total / count as f64, ..last }, count));
-}
 
 /// Returns the pattern whose width, spacing and depth are the nearest whole numbers of blocks, for time integration.
 /// Each is at least one block, and the depth leaves at least one of the `rows` rows.
