@@ -6,13 +6,13 @@ use crate::rooms::{code, root, sources};
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
     ("base", 1_670),
-    ("model", 14_800),
+    ("model", 14_670),
     ("surface", 10_165),
     ("traces", 3_140),
     ("laser", 4_565),
-    ("infer", 5_710),
-    ("design", 7_040),
-    ("io", 9_460),
+    ("infer", 5_745),
+    ("design", 7_055),
+    ("io", 9_465),
     ("report", 7_180),
     ("validate", 2_740),
     ("slipgrid", 100),
