@@ -24,7 +24,7 @@ pub const DEFAULT_PRESSURES_MPA: [f64; 20] =
 
 /// Between the pressures of a curve, an area law is tabulated at so many that f linear between them is off by about
 /// this.
-const MAX_OFF: f64 = 5e-4;
+const MAX_OFF: f64 = 2e-4;
 /// Maximum number of such intervals between two pressures of a curve.
 const MAX_PARTS: f64 = 64.0;
 

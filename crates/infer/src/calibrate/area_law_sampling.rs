@@ -170,8 +170,8 @@ pub fn resolution(
     })
 }
 
-/// Area factor f of `map` at the requested pressures, solved at the threshold, at the last and at every `every`th between
-/// them; `None` if the contact area gives no area law.
+/// Area factor f of `map` at the requested pressures, solved at the threshold, at every `every`th from the next on, and
+/// at the last; `None` if the contact area gives no area law.
 fn factors_of(
     map: &HeightMap,
     request: &AreaLawRequest<'_>,
@@ -183,7 +183,9 @@ fn factors_of(
     let above_pa = &request.pressures_pa[first..];
     let last = above_pa.len() - 1;
     let every = if last < MIN_SOLVED * every { 1 } else { every };
-    let solved_pa: Vec<f64> = (0..last).step_by(every).chain([last]).map(|place| above_pa[place]).collect();
+    // Just above the threshold, where f is 1, factors of windows spread fastest.
+    let solved = std::iter::once(0).chain((1..last).step_by(every)).chain((last > 0).then_some(last));
+    let solved_pa: Vec<f64> = solved.map(|place| above_pa[place]).collect();
     let curve = area_curve(map, request.contact_modulus_pa, &solved_pa, STATISTICS_TOLERANCE, monitor)?;
     let law = area_law(&curve.points, request.threshold_pa).ok();
     Ok(law.map(|law| request.pressures_pa.iter().map(|&pressure_pa| law.factor(pressure_pa)).collect()))
