@@ -163,7 +163,8 @@ fn a_worker_of_a_campaign_says_what_is_kept_and_what_goes_on() {
 
 #[test]
 fn a_second_one_ends_at_once() {
-    let Some(place) = listening(&[("scene.toml", &SCENE.replace("block_um = 10.0", "block_um = 1.0"))]) else { return };
+    let sample = SCENE.replace("block_um = 10.0", "block_um = 2.5").replace("\"cell\"", "\"sample\"");
+    let Some(place) = listening(&[("scene.toml", &sample)]) else { return };
     let run = start(&place, "simulate scene.toml -o out");
     std::thread::sleep(Duration::from_millis(700));
     assert!(Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap().success());
