@@ -341,8 +341,8 @@ mod tests {
     #[test]
     fn only_what_is_there_stands_in_the_legend() {
         let mut bare = report();
-        (bare.target.quantity, bare.confirmed) = ("mu_dynamic".into(), Vec::new());
-        bare.sample.expected.clear();
+        bare.target.quantity = "mu_dynamic".into();
+        (bare.sample.expected, bare.sample.modelled) = (Vec::new(), Vec::new());
         let svg = drawn(&bare).unwrap();
         assert!(svg.contains("\naccepted\n") && svg.contains("\nDynamic friction coefficient\n"));
         for absent in ["expected", "model alone", "flat", "earlier trials"] {

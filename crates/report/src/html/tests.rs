@@ -229,10 +229,11 @@ fn further_conditions_have_rows_of_their_own() {
     let page = page_of(&report, &Outputs::default());
     assert!(page.contains(">speed, humidity, direction<") && page.contains("<td>2 mm/s, 80 %</td>"));
     assert!(page.contains("several conditions, side by side") && page.contains("expected, 2 mm/s, 80 %"));
-    // For a friction target, the flat surface, and with it the model alone, is known at the design condition only.
+    // With a target of friction, the model alone is the ratio times flat friction of each condition.
     report.target.quantity = "mu_dynamic".into();
+    report.sample.modelled.iter_mut().zip([0.25, 0.25, 0.3, 0.3]).for_each(|(at, flat)| at.flat = flat);
     let page = page_of(&report, &Outputs::default());
-    assert!(page.contains("<td>0.240 ± 0.003</td>"), "{page}");
+    assert!(page.contains("<td>0.240 ± 0.003</td>") && page.contains("<td>0.288 ± 0.004</td>"), "{page}");
 }
 
 #[test]
