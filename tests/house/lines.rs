@@ -6,7 +6,7 @@ use crate::rooms::{code, root, sources};
 /// change, with the reason; a crate that shrinks lowers it.
 const LIMITS: [(&str, usize); 15] = [
     ("base", 1_670),
-    ("model", 14_670),
+    ("model", 14_675),
     ("surface", 10_165),
     ("traces", 3_140),
     ("laser", 4_565),
