@@ -616,6 +616,7 @@ class Modelled(Record):
     pressure_mpa: float
     ratio: float
     std: float
+    flat: float
 
 
 class LimitedBy(Record):
