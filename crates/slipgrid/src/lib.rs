@@ -26,7 +26,7 @@
 //! Only [`disk`] opens a file or touches the environment, and nothing prints: bytes come through
 //! [`formats::source::Files`], time and cancelling through [`monitor::Monitor`].
 //!
-//! The main job: a task from the text of a design file, a search that is confirmed in time, a drawing for the laser.
+//! The main job: a task from the text of a design file, a search that is confirmed, a drawing for the laser.
 //!
 //! ```
 //! use slipgrid::design::{NoCache, run};

@@ -8,7 +8,7 @@ use slipgrid_model::springblock::{Correction, Effect, LoadOutcome, Simulation, t
 
 use super::Search;
 use crate::as_cut::{CutTexture, Known};
-use crate::confirmation::{confirming_scene, run_in_time};
+use crate::confirmation::{confirming_scene, run_specimen};
 use crate::inputs::{InputEffect, Part, known_to};
 use crate::prediction::Prediction;
 
@@ -18,7 +18,8 @@ const OF_RUN: [Effect; 5] = [Effect::Layout, Effect::Rims, Effect::Time, Effect:
 
 impl Search<'_> {
     /// Replaces the effects of the specimen's ends and pressure tilt from the table by solved values, and adds a dynamic
-    /// run in the plane, and in space if the peak pressure is limited. Returns `found` as it is if the stage is cancelled.
+    /// run in the plane, and in space a strip where the peak pressure is limited. Returns `found` as it is if the stage is
+    /// cancelled.
     pub fn as_cut(&self, found: &Prediction) -> Prediction {
         if found.texture.known == Known::AsCut {
             return found.clone();
@@ -28,10 +29,11 @@ impl Search<'_> {
         let cell = found.texture.clone().moved(&by_table.iter().map(|by| -by).collect::<Vec<f64>>());
         let pattern = cell.pattern;
         let in_plane = self.models.own.dimension().takes_strips();
-        // In space a run takes seconds, and its ratio scatters with the drawn coefficients: only its peak pressure counts.
-        let run = self.beyond.face.as_ref().filter(|_| in_plane || self.limits_peak()).and_then(|face| {
+        // In space the peak pressure is that of the cell, unless a strip shows its outer lands.
+        let has_ends = in_plane || self.task.search.strip && self.limits_peak();
+        let run = self.beyond.face.as_ref().filter(|_| has_ends).and_then(|face| {
             let scene = confirming_scene(self.prepared, self.models.own, &pattern, false);
-            run_in_time(&scene, face, &Share::new(self.stage, 0.0)).ok().map(Arc::new)
+            run_specimen(&scene, face, &Share::new(self.stage, 0.0)).ok().map(Arc::new)
         });
         if let Some(run) = run.as_ref().filter(|_| in_plane)
             && let Some(by_run) = self.beyond.by_run(&cell.ratio, run)

@@ -1,6 +1,6 @@
 """Laser-textured surfaces for a target dry friction.
 
-A design file, a search that is confirmed in time, the files of a laser::
+A design file, a search that is confirmed, the files of a laser::
 
     import slipgrid
 

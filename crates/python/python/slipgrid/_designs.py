@@ -156,7 +156,7 @@ class Design:
         return self._design.warnings
 
     def optimize(self, progress: Progress | None = None) -> DesignResult:
-        """Searches the texture, confirms it in time and explains; a calibration that the task names is fitted once.
+        """Searches the texture, confirms it and explains; a calibration that the task names is fitted once.
 
         Parameters
         ----------

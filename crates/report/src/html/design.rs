@@ -183,7 +183,7 @@ fn others(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     table.column("expected at the first load (95 %)", |of| ends(of.expected.first()));
     table.column("at the last", |of| ends(of.expected.last()));
     page.table(
-        "The design, and textures of other regions of the bounds that are worth cutting. The others' specimens were not run in time, which changes a chance by a point or two: `next` runs \
+        "The design, and textures of other regions of the bounds that are worth cutting. The others' specimens were not run, which changes a chance by a point or two: `next` runs \
          those that it advises. Learns: how much measuring a sample would tell about how the model's error depends on the texture.",
         &known(&table.table()),
     );

@@ -35,7 +35,7 @@ const TERMS: [(&str, &str); 11] = [
         "Dynamic friction of the patterned surface over that of the flat one, both at the same nominal pressure.",
     ),
     ("nominal pressure", "Normal force over the whole face of the specimen, cavities included."),
-    ("confirmed", "By a run of the model alone in time, of the design on its specimen."),
+    ("confirmed", "By a run of the model alone, of the design on its specimen."),
     ("areal density", "Share of the face that is cavity."),
     ("burst", "What the laser gives a spot at once: it removes a fixed depth."),
     ("pass", "One run of the laser over every line of a hatch."),

@@ -22,7 +22,7 @@ const SURPRISING: f64 = 2.0;
 
 /// Definition of the modelled ratio of a ledger, and difference from the ratio in the report of a design.
 const MODELLED: &str = "The modelled ratio is that of the texture as measured, in steady sliding, on its specimen or endless on a sector of a disc. The error of its \
-    blocks is taken off where it is known. A design's report has the ratio of the confirming run: the whole specimen, sliding in time. The two may differ \
+    blocks is taken off where it is known. A design's report has the ratio of the confirming run of the whole specimen. The two may differ \
     by a hundredth.";
 
 const TERMS: [(&str, &str); 7] = [
