@@ -9,7 +9,7 @@ use slipgrid_infer::calibrate::uncertainty::{ScaleShift, moved, with_local_law};
 use slipgrid_infer::discrepancy::{Discrepancy, Load, Sensitivity};
 use slipgrid_model::material::{Condition, MaterialError};
 use slipgrid_model::pattern::Pattern;
-use slipgrid_model::springblock::{Scene, block_refinement, takes_rough_refinement};
+use slipgrid_model::springblock::{Scene, block_refinement};
 
 use crate::DesignError;
 use crate::evaluation_cache::Answer;
@@ -182,16 +182,15 @@ impl<'a> Models<'a> {
     }
 
     /// Change of each of `ratios`, those of `design`, by smaller blocks, and standard deviation due to the remaining
-    /// block size; `None` for rims in space, and if smaller blocks are too expensive. `is_rough` has
-    /// shallow cavities between flat lands in the plane at the cost of others, for comparisons of many textures.
+    /// block size; `None` for rims in space, and if smaller blocks are too expensive. `is_rough` ends at
+    /// larger blocks in the plane, for comparisons of many textures.
     pub fn refined(&self, design: &Pattern, ratios: &[f64], is_rough: bool) -> Option<(Vec<f64>, Vec<f64>)> {
         let share = self.own.lay(design).ok()?.share(design);
         // Ratio of the cell, with the areal densities D of specimen and period: 1 - r = (1 - r_cell) D / D_period
         let own: Vec<Option<f64>> = ratios.iter().map(|ratio| Some(1.0 - (1.0 - ratio) / share)).collect();
         let cells = self.own.cells(design);
-        let is_rough = is_rough && cells.iter().all(takes_rough_refinement);
         let is_shallow = design.depth_m() < SHALLOW * self.own.asked().layer.block_m;
-        let most = if is_shallow && !is_rough { MAX_REFINED_IF_SHALLOW } else { MAX_REFINED };
+        let most = if is_shallow { MAX_REFINED_IF_SHALLOW } else { MAX_REFINED };
         let (mut shifts, mut open) = (Vec::new(), Vec::new());
         for (cell, own) in cells.iter().zip(own.chunks(own.len() / cells.len())) {
             let refined = block_refinement(cell, own, most, is_rough)?;

@@ -94,7 +94,7 @@ pub use scene::{Holder, Layer, Load, MAX_BLOCKS, MAX_DRAWS, MAX_ROWS, Scene};
 pub use simulate::{
     BlockRefinement, Expense, add_tilt, block_refinement, bounded, can_refine, cell_expense, expense, planned_steps,
     simulate, simulate_specimen, simulate_strip, steady_face_bytes, steady_face_ratios, steady_ratios,
-    takes_rough_refinement, tilt_relative_error, tilt_shifts, time_changes,
+    tilt_relative_error, tilt_shifts, time_changes,
 };
 pub use slipgrid_base::monitor::{Cancelled, Monitor, Unwatched};
 pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceSpring, SpaceSteadyModel};

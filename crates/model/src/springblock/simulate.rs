@@ -39,7 +39,7 @@ use statements::{
 };
 use thick_layer::ThickLayerCorrection;
 
-pub use blocks::{BlockRefinement, block_refinement, can_refine, takes_rough_refinement};
+pub use blocks::{BlockRefinement, block_refinement, can_refine};
 pub use expense::{Expense, bounded, cell_expense, expense};
 use pressure_tilt::PressureTilt;
 pub use pressure_tilt::{add_tilt, tilt_relative_error, tilt_shifts};
