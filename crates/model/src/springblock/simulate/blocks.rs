@@ -110,8 +110,8 @@ pub struct BlockRefinement {
 /// Effect of smaller blocks on the ratios of `scene`, from steady cells that each take at most `most` multiplications.
 ///
 /// In space smaller cells and grooves are used, together with the ratios `own` of the scene's cell. `is_rough` ends at
-/// larger blocks in the plane. `None` without a pattern, if fewer than two finer
-/// sizes are possible, if a cell has no ratio, and in space with rims or a measured relief.
+/// larger blocks in the plane. `None` without a pattern, if fewer than two finer sizes are possible, if a cell has no
+/// ratio, and in space with rims or a measured relief.
 pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64, is_rough: bool) -> Option<BlockRefinement> {
     let pattern = scene.pattern.as_ref()?;
     if is_rough && scene.dimension() == Dimension::Plane {
