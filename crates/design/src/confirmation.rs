@@ -24,19 +24,20 @@ const MIN_CONTACTS: f64 = 100.0;
 pub fn confirming_scene(prepared: &PreparedTask, model: &SteadyModel<'_>, pattern: &Pattern, from_rest: bool) -> Scene {
     let task = &prepared.task;
     let is_dynamic = from_rest || model.dimension().takes_strips();
-    let at_rest = RunOptions {
-        fidelity: if is_dynamic { Fidelity::Dynamic } else { Fidelity::Steady },
+    let mut run = RunOptions {
         extent: if task.search.strip { Extent::Strip } else { Extent::Sample },
         seed: task.search.seed,
         dimensions: task.search.dimensions,
         ..RunOptions::default()
     }
     .on_specimen(task.space.texture());
-    // Without static friction, a run starts at the onset of sliding.
-    let mut run = if from_rest || !is_dynamic { at_rest } else { at_rest.from_sliding() };
-    // A strip has dozens of cells, which give enough contact blocks with one draw.
-    if is_dynamic && run.extent != Extent::Strip {
-        run.draws = model.draws(pattern, MIN_CONTACTS);
+    if is_dynamic {
+        // Without static friction, a run starts at the onset of sliding.
+        run = if from_rest { RunOptions { fidelity: Fidelity::Dynamic, ..run } } else { run.from_sliding() };
+        // A strip has dozens of cells, which give enough contact blocks with one draw.
+        if run.extent != Extent::Strip {
+            run.draws = model.draws(pattern, MIN_CONTACTS);
+        }
     }
     let flat = task.flat_scene(&prepared.material, prepared.loads().to_vec(), run);
     let scene = Scene { pattern: Some(*pattern), ..flat };

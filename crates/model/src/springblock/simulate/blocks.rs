@@ -70,6 +70,11 @@ impl Finest {
     pub const AS_SOLVED: Self =
         Self { beyond: 0.0, of_three: FINEST_FACTORS, max_fourth_products: 1e9, ..Self::EXTRAPOLATED };
 
+    /// Rule for the lands of `scene` in the plane.
+    fn of(scene: &Scene) -> Self {
+        if scene.is_raised() { Self::AS_SOLVED } else { Self::EXTRAPOLATED }
+    }
+
     /// Ends at larger blocks, for comparisons of many textures. A table of such changes leaves as much of the changes of
     /// the textures that shipped designs solve as one by finer blocks: 0.0003 to 0.0004 of 0.0009 with flat lands, 0.0007
     /// to 0.0008 of 0.0016 with rims, there in a third of the time.
@@ -115,7 +120,7 @@ pub struct BlockRefinement {
 pub fn block_refinement(scene: &Scene, own: &[Option<f64>], most: f64, is_rough: bool) -> Option<BlockRefinement> {
     let pattern = scene.pattern.as_ref()?;
     if is_rough && scene.dimension() == Dimension::Plane {
-        let finest = if scene.is_raised() { Finest::AS_SOLVED } else { Finest::EXTRAPOLATED }.roughly();
+        let finest = Finest::of(scene).roughly();
         return refine_in_plane(scene, pattern, (most, finest), &Unwatched).ok().map(|(found, _)| found);
     }
     refinement(scene, pattern, own, most, &Unwatched).ok()
@@ -136,10 +141,7 @@ pub fn refinement(
     monitor: &dyn Monitor,
 ) -> Result<BlockRefinement, String> {
     match scene.dimension() {
-        Dimension::Plane => {
-            let finest = if scene.is_raised() { Finest::AS_SOLVED } else { Finest::EXTRAPOLATED };
-            refine_in_plane(scene, pattern, (most, finest), monitor).map(|(found, _)| found)
-        }
+        Dimension::Plane => refine_in_plane(scene, pattern, (most, Finest::of(scene)), monitor).map(|(found, _)| found),
         Dimension::Space => refined_by_grooves(scene, pattern, own, most, monitor),
     }
 }
